@@ -1,0 +1,30 @@
+/**
+ * @file
+ * An arena: many allocations that die at once.
+ */
+#ifndef CORE_ARENA_H
+#define CORE_ARENA_H
+
+#include <stddef.h>
+
+/** All zero is a valid empty arena. */
+struct arena {
+    struct arena_block *blocks; // newest first; owned
+    size_t total_size;          // bytes handed out
+};
+
+/**
+ * Allocates zeroed memory, aligned for any type, that lives until arena_free().
+ *
+ * @param count, size  Elements and bytes of each; the product is checked for overflow. 0 elements give a valid pointer.
+ * @return NULL if there is not enough memory.
+ */
+void *arena_alloc(struct arena *arena, size_t count, size_t size);
+
+/** Copies a string into the arena. NULL if there is not enough memory. */
+char *arena_strdup(struct arena *arena, const char *text);
+
+/** Releases everything and leaves the arena empty. */
+void arena_free(struct arena *arena);
+
+#endif
