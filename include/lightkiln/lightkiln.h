@@ -17,10 +17,11 @@
  *     lk_image_free(image);
  *     lk_scene_free(scene);
  *
- * Conventions. Every function that can fail returns an lk_status; its result goes through the first parameter, on success
- * only, and lk_error() then tells what went wrong, naming the file, mesh or device. Metres, Y up, linear Rec. 709; light in the
- * file's units (candela, lux, and cd/m2 for radiance). Functions may be called from any thread, but one object from one at a time.
- * Free functions accept NULL.
+ * Conventions. Every function that can fail returns an lk_status; its result goes through the first
+ * parameter, on success only, and lk_error() then tells what went wrong, naming the file, mesh or
+ * device. Metres, Y up, linear Rec. 709; light in the file's units (candela, lux, and cd/m2 for
+ * radiance). Functions may be called from any thread, but one object from one at a time. Free
+ * functions accept NULL.
  */
 #ifndef LIGHTKILN_LIGHTKILN_H
 #define LIGHTKILN_LIGHTKILN_H
@@ -49,7 +50,8 @@ enum lk_status {
     LK_CANCELLED    // the progress function said so; the image holds what was finished
 };
 
-/** What went wrong last on this thread; "" if nothing has. Valid until the thread's next failure. */
+/** What went wrong last on this thread; "" if nothing has. Valid until the thread's next failure.
+ */
 LK_API const char *lk_error(void);
 
 /** A status as words, "out of memory". */
@@ -58,22 +60,19 @@ LK_API const char *lk_status_name(enum lk_status status);
 /** "0.1.0 (commit)". */
 LK_API const char *lk_version(void);
 
-enum lk_log_level {
-    LK_LOG_ERROR,
-    LK_LOG_WARNING,
-    LK_LOG_INFO,
-    LK_LOG_DEBUG
-};
+enum lk_log_level { LK_LOG_ERROR, LK_LOG_WARNING, LK_LOG_INFO, LK_LOG_DEBUG };
 
 typedef void lk_log_function(void *user, enum lk_log_level level, const char *message);
 
-/** Sends messages up to `level` to `function`, or to stderr if it is NULL. At the start: warnings, to stderr. */
+/** Sends messages up to `level` to `function`, or to stderr if it is NULL. At the start: warnings,
+ * to stderr. */
 LK_API void lk_log_set(enum lk_log_level level, lk_log_function *function, void *user);
 
 /** Counts the warnings since the program began, shown or not. */
 LK_API unsigned lk_warning_count(void);
 
-// ---- Scenes -----------------------------------------------------------------------------------------------------
+// ---- Scenes
+// -----------------------------------------------------------------------------------------------------
 
 /** A loaded scene. Opaque. */
 struct lk_scene;
@@ -110,34 +109,38 @@ struct lk_scene_info {
     uint64_t triangles_split; // references in the BVH, after early split clipping
     uint64_t instances, materials, textures, cameras;
     struct lk_lights lights;
-    struct lk_memory memory;  // for the given settings; rays and film by image size and queue
-    uint32_t width, height;   // of the image these settings ask for
+    struct lk_memory memory; // for the given settings; rays and film by image size and queue
+    uint32_t width, height;  // of the image these settings ask for
 };
 
 struct lk_settings;
 
 /**
- * Tells what a render of this scene would hold, without rendering or touching any device. Does the preparation if it
- * has not been done for these settings. The ray queue is taken as large as the image or 2^21 paths, whichever is less.
+ * Tells what a render of this scene would hold, without rendering or touching any device. Does the
+ * preparation if it has not been done for these settings. The ray queue is taken as large as the
+ * image or 2^21 paths, whichever is less.
  */
-LK_API enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene, const struct lk_settings *settings);
+LK_API enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
+                                    const struct lk_settings *settings);
 
-/** The name of camera `index`, its node's if it has none, "" if neither; NULL past the last. Borrowed from the scene. */
+/** The name of camera `index`, its node's if it has none, "" if neither; NULL past the last.
+ * Borrowed from the scene. */
 LK_API const char *lk_scene_camera(const struct lk_scene *scene, size_t index);
 
-// ---- Devices ----------------------------------------------------------------------------------------------------
+// ---- Devices
+// ----------------------------------------------------------------------------------------------------
 
 struct lk_device_info {
     char platform[128];
     char name[128];
     char driver[128];
-    char version[128];     // what the device says of its OpenCL
-    char type[16];         // "cpu", "gpu", "accelerator", "custom"
+    char version[128];                     // what the device says of its OpenCL
+    char type[16];                         // "cpu", "gpu", "accelerator", "custom"
     uint32_t platform_index, device_index; // the P:D of --device
     uint32_t compute_units;
     uint64_t global_memory, max_allocation, local_memory; // bytes
-    bool usable;           // OpenCL 1.2 with a compiler
-    char reason[128];      // if not usable: why
+    bool usable;                                          // OpenCL 1.2 with a compiler
+    char reason[128];                                     // if not usable: why
 };
 
 /**
@@ -147,17 +150,20 @@ struct lk_device_info {
  */
 LK_API enum lk_status lk_device_info(struct lk_device_info *out, size_t index);
 
-// ---- Rendering --------------------------------------------------------------------------------------------------
+// ---- Rendering
+// --------------------------------------------------------------------------------------------------
 
 enum lk_quantity {
     LK_RADIANCE,   // what the camera sees, cd/m2
-    LK_IRRADIANCE, // at the first hit, all that arrives on the shaded side, lux; its own colour and emission are left out
+    LK_IRRADIANCE, // at the first hit, all that arrives on the shaded side, lux; its own colour and
+                   // emission are left out
     LK_DIRECT      // radiance of emission and direct light alone
 };
 
 enum lk_brdf {
     LK_BRDF_GLTF, // metallic-roughness of glTF 2.0 appendix B, and specular-glossiness
-    LK_BRDF_PHONG // the thesis's: diffuse + specular colour, exponent from glossiness, 1 is a mirror, no Fresnel
+    LK_BRDF_PHONG // the thesis's: diffuse + specular colour, exponent from glossiness, 1 is a
+                  // mirror, no Fresnel
 };
 
 enum lk_light_sampler {
@@ -174,7 +180,8 @@ enum lk_trace {
 
 enum lk_textures {
     LK_TEXTURES_AUTO,
-    LK_TEXTURES_BOUND, // rays sorted by material, one launch each with its images bound (thesis section 3.3)
+    LK_TEXTURES_BOUND, // rays sorted by material, one launch each with its images bound (thesis
+                       // section 3.3)
     LK_TEXTURES_POOL   // one launch over all texels
 };
 
@@ -192,38 +199,38 @@ enum lk_tonemap {
 
 /** Fill with lk_settings_init() first; a 0 or NULL where that is noted asks for the default. */
 struct lk_settings {
-    uint32_t width, height;        // pixels, 1 .. 16384; 0: 1024 wide, or by the camera's aspect
-    const char *camera;            // name, node's name or index; NULL: the first
-    uint32_t spp;                  // stop after so many samples per pixel; default 64; 0: no such limit
-    double time_s;                 // stop after so many seconds of rendering; 0: no such limit
-    uint32_t depth;                // shaded hits of a path, 1 .. 255; default 5
-    uint32_t shadow_rays;          // light-tree shadow rays per hit, 1 .. 64; default 1
+    uint32_t width, height; // pixels, 1 .. 16384; 0: 1024 wide, or by the camera's aspect
+    const char *camera;     // name, node's name or index; NULL: the first
+    uint32_t spp;           // stop after so many samples per pixel; default 64; 0: no such limit
+    double time_s;          // stop after so many seconds of rendering; 0: no such limit
+    uint32_t depth;         // shaded hits of a path, 1 .. 255; default 5
+    uint32_t shadow_rays;   // light-tree shadow rays per hit, 1 .. 64; default 1
     enum lk_light_sampler light_sampler;
     enum lk_quantity quantity;
     enum lk_brdf brdf;
-    const char *device;            // "cpu", "gpu", "P:D", or part of a name; NULL: the best
+    const char *device; // "cpu", "gpu", "P:D", or part of a name; NULL: the best
     enum lk_trace trace;
     enum lk_textures textures;
     enum lk_nodes nodes;
-    float split_threshold;         // largest box surface of a reference, m2; 0: no splitting
-    uint32_t leaf_size;            // a node with fewer triangles becomes a leaf, 2 .. 32; default 8
+    float split_threshold; // largest box surface of a reference, m2; 0: no splitting
+    uint32_t leaf_size;    // a node with fewer triangles becomes a leaf, 2 .. 32; default 8
     uint32_t seed;
-    uint32_t queue;                // paths in flight; 0: by the device
-    uint64_t memory_limit;         // bytes on the device; 0: what the device has
-    bool profile;                  // time every kernel
-    bool no_cache;                 // build kernels from source
+    uint32_t queue;        // paths in flight; 0: by the device
+    uint64_t memory_limit; // bytes on the device; 0: what the device has
+    bool profile;          // time every kernel
+    bool no_cache;         // build kernels from source
 };
 
 LK_API void lk_settings_init(struct lk_settings *settings);
 
 /** What the progress function hears, a few times a second. */
 struct lk_progress {
-    const char *stage;   // "preparing", "building kernels", "rendering"
-    double fraction;     // 0 .. 1 of the stage
-    double elapsed_s;    // since lk_render() was called
-    double remaining_s;  // estimate; negative while unknown
-    double spp;          // samples per pixel so far
-    double mrays_per_s;  // million rays a second so far, shadow rays counted
+    const char *stage;  // "preparing", "building kernels", "rendering"
+    double fraction;    // 0 .. 1 of the stage
+    double elapsed_s;   // since lk_render() was called
+    double remaining_s; // estimate; negative while unknown
+    double spp;         // samples per pixel so far
+    double mrays_per_s; // million rays a second so far, shadow rays counted
 };
 
 struct lk_progress_hook {
@@ -237,7 +244,8 @@ struct lk_image;
 /**
  * Renders. Equal scene, settings and device give equal bits.
  *
- * @param[out] out  Written on LK_OK and on LK_CANCELLED (then with what was finished, if anything was, else NULL).
+ * @param[out] out  Written on LK_OK and on LK_CANCELLED (then with what was finished, if anything
+ * was, else NULL).
  * @param hook      NULL: none.
  * @retval LK_USAGE      A setting is out of range, or there is no such camera.
  * @retval LK_NO_DEVICE  No usable device matches.
@@ -245,7 +253,8 @@ struct lk_image;
  * @retval LK_DEVICE     An OpenCL call failed; names it.
  * @retval LK_CANCELLED  The hook returned false.
  */
-LK_API enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene, const struct lk_settings *settings,
+LK_API enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene,
+                                const struct lk_settings *settings,
                                 const struct lk_progress_hook *hook);
 
 struct lk_kernel_time {
@@ -258,41 +267,48 @@ struct lk_kernel_time {
 
 /** What a render did. Times in seconds. */
 struct lk_render_info {
-    struct lk_scene_info scene;    // file is borrowed from the image
-    struct lk_settings settings;   // with every default filled in; strings are borrowed from the image
+    struct lk_scene_info scene; // file is borrowed from the image
+    struct lk_settings
+        settings; // with every default filled in; strings are borrowed from the image
     struct lk_device_info device;
     struct {
         double import, prepare, upload, kernel_build, render, total;
     } time_s;
     uint64_t rays_camera, rays_indirect, rays_shadow;
     uint64_t paths;
-    double spp;                    // samples per pixel, with a fraction if stopped within a pass
-    uint32_t kernels_from_source;  // programs compiled, 0 on a warm start
-    uint32_t kernel_count;         // kernels, 0 without profile
+    double spp;                   // samples per pixel, with a fraction if stopped within a pass
+    uint32_t kernels_from_source; // programs compiled, 0 on a warm start
+    uint32_t kernel_count;        // kernels, 0 without profile
     struct lk_kernel_time kernels[LK_KERNELS_MAX];
 };
 
 /** The info of a rendered image; NULL for one that was read from a file. Borrowed. */
 LK_API const struct lk_render_info *lk_image_info(const struct lk_image *image);
 
-/** Width, height and pixels of an image: [width * height * 3] linear RGB, rows from the top. Borrowed. */
-LK_API const float *lk_image_pixels(const struct lk_image *image, uint32_t *width, uint32_t *height);
+/** Width, height and pixels of an image: [width * height * 3] linear RGB, rows from the top.
+ * Borrowed. */
+LK_API const float *lk_image_pixels(const struct lk_image *image, uint32_t *width,
+                                    uint32_t *height);
 
-/** Display transform of 8-bit files; never touches the others. NULL where it is taken: exposure 0, tonemap auto. */
+/** Display transform of 8-bit files; never touches the others. NULL where it is taken: exposure 0,
+ * tonemap auto. */
 struct lk_display {
-    float exposure_ev;        // stops
+    float exposure_ev; // stops
     enum lk_tonemap tonemap;
 };
 
 /**
- * Writes .exr, .hdr, .tif (linear float), .png or .jpg (8 bits, exposed, tone-mapped, sRGB). Whole or not at all.
+ * Writes .exr, .hdr, .tif (linear float), .png or .jpg (8 bits, exposed, tone-mapped, sRGB). Whole
+ * or not at all.
  *
  * @retval LK_USAGE  The extension is none of these.
  * @retval LK_WRITE  It cannot be written; an old file is left alone.
  */
-LK_API enum lk_status lk_image_write(const struct lk_image *image, const char *path, const struct lk_display *display);
+LK_API enum lk_status lk_image_write(const struct lk_image *image, const char *path,
+                                     const struct lk_display *display);
 
-/** Checks that lk_image_write() knows the extension and may write there, before hours are spent. LK_USAGE or LK_WRITE if not. */
+/** Checks that lk_image_write() knows the extension and may write there, before hours are spent.
+ * LK_USAGE or LK_WRITE if not. */
 LK_API enum lk_status lk_image_can_write(const char *path);
 
 /** Reads an image file as linear RGB; 8-bit files are decoded from sRGB. */
@@ -303,17 +319,19 @@ LK_API void lk_image_free(struct lk_image *image);
 /** Writes the JSON report of a rendered image. @retval LK_WRITE, LK_USAGE (not a rendered image) */
 LK_API enum lk_status lk_report_write(const struct lk_image *image, const char *path);
 
-// ---- Comparison -------------------------------------------------------------------------------------------------
+// ---- Comparison
+// -------------------------------------------------------------------------------------------------
 
 struct lk_comparison {
-    double variance;      // thesis section 4.2.2: mean over pixels of the summed squared differences of R, G and B
-    double rmse;          // root mean square over pixels and channels
-    double relative_mse;  // mean over pixels and channels of d^2 / (reference^2 + 0.01)
-    double psnr_db;       // with the reference's largest value as peak; infinite for equal images
-    double maximum;       // largest absolute difference
+    double variance; // thesis section 4.2.2: mean over pixels of the summed squared differences of
+                     // R, G and B
+    double rmse;     // root mean square over pixels and channels
+    double relative_mse; // mean over pixels and channels of d^2 / (reference^2 + 0.01)
+    double psnr_db;      // with the reference's largest value as peak; infinite for equal images
+    double maximum;      // largest absolute difference
     uint32_t maximum_x, maximum_y; // where
     double mean[3], reference_mean[3];
-    uint64_t not_finite;  // values of the image left out because they are not finite
+    uint64_t not_finite; // values of the image left out because they are not finite
 };
 
 /**
@@ -322,8 +340,8 @@ struct lk_comparison {
  * @param[out] difference  NULL, or the absolute difference as an image, to be freed by the caller.
  * @retval LK_FORMAT  The sizes differ.
  */
-LK_API enum lk_status lk_compare(struct lk_comparison *out, struct lk_image **difference, const struct lk_image *image,
-                                 const struct lk_image *reference);
+LK_API enum lk_status lk_compare(struct lk_comparison *out, struct lk_image **difference,
+                                 const struct lk_image *image, const struct lk_image *reference);
 
 #ifdef __cplusplus
 }

@@ -2,20 +2,18 @@
  * @file
  * The ground of every shared header: OpenCL's names for the host, and the size check.
  *
- * Headers in this folder are compiled twice, as host C11 and as OpenCL C 1.2. Kernel builds say so with
- * `-D DEVICE`. What may stand here: 32-bit scalars, rows of four, enums, and `static inline` functions of
- * them that use no pointer, no address space, no vector literal and no vector operator, since the two
- * dialects differ in those. Structs hold 32-bit scalars and rows of four only: float3 takes 16 bytes on one
- * side and 12 on the other, and pointers, bool, long and bit-fields have no fixed size.
+ * Headers in this folder are compiled twice, as host C11 and as OpenCL C 1.2. Kernel builds say so
+ * with
+ * `-D DEVICE`. What may stand here: 32-bit scalars, rows of four, enums, and `static inline`
+ * functions of them that use no pointer, no address space, no vector literal and no vector
+ * operator, since the two dialects differ in those. Structs hold 32-bit scalars and rows of four
+ * only: float3 takes 16 bytes on one side and 12 on the other, and pointers, bool, long and
+ * bit-fields have no fixed size.
  */
 #ifndef SHARED_BASE_H
 #define SHARED_BASE_H
 
 #ifdef DEVICE
-
-#ifndef __OPENCL_VERSION__
-#error "DEVICE is for OpenCL C builds only"
-#endif
 
 // A struct that does not have the size both sides agreed on stops the build.
 #define SHARED_SIZE(name, bytes)                                                                   \
@@ -23,7 +21,7 @@
 
 #else
 
-#ifdef __OPENCL_VERSION__
+#if defined(__OPENCL_VERSION__) || defined(__OPENCL_C_VERSION__)
 #error "kernel builds pass -D DEVICE"
 #endif
 

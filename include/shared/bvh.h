@@ -1,23 +1,25 @@
 /**
  * @file
- * The binary BVH as kernels read it (thesis section 3.1 and 3.2; T. Aila, S. Laine, "Understanding the Efficiency of
- * Ray Traversal on GPUs", HPG 2009: both children's boxes stand in the parent, so one visit tests both siblings).
+ * The binary BVH as kernels read it (thesis section 3.1 and 3.2; T. Aila, S. Laine, "Understanding
+ * the Efficiency of Ray Traversal on GPUs", HPG 2009: both children's boxes stand in the parent, so
+ * one visit tests both siblings).
  *
- * A child word c names a node if c >= 0. Otherwise ~c = first << BVH_LEAF_BITS | count names a leaf: `count`
- * references from `first` on. References stand in the order of the leaves; reference i has its Woop rows at
- * woop[i] and its triangle at refs[i].
+ * A child word c names a node if c >= 0. Otherwise ~c = first << BVH_LEAF_BITS | count names a
+ * leaf: `count` references from `first` on. References stand in the order of the leaves; reference
+ * i has its Woop rows at woop[i] and its triangle at refs[i].
  */
 #ifndef SHARED_BVH_H
 #define SHARED_BVH_H
 
 #include "shared/base.h"
 
-#define BVH_LEAF_BITS 5u   // bits of a leaf's count
-#define BVH_LEAF_MAX 31u   // most references in a leaf
-#define BVH_STACK_SIZE 64u // entries of a traversal stack; the builder keeps trees shallower than this
+#define BVH_LEAF_BITS 5u  // bits of a leaf's count
+#define BVH_LEAF_MAX  31u // most references in a leaf
+#define BVH_STACK_SIZE                                                                             \
+    64u // entries of a traversal stack; the builder keeps trees shallower than this
 
 // refs[]: the triangle's index, and whether its material is alpha-tested.
-#define BVH_REF_MASKED 0x80000000u
+#define BVH_REF_MASKED   0x80000000u
 #define BVH_REF_TRIANGLE 0x7fffffffu
 
 // One inner node: the boxes of its two children.
@@ -31,9 +33,10 @@ struct bvh_node {
 };
 SHARED_SIZE(bvh_node, 64);
 
-// The 3x4 matrix that takes a triangle to the unit triangle (0,0,0), (1,0,0), (0,1,0) (S. Woop, "A Ray Tracing Hardware
-// Architecture for Dynamic Scenes", 2004). For a ray o + t d in world space and each row r:
-// o' = r.xyz . o + r.w and d' = r.xyz . d. The rows stand in the order they are needed.
+// The 3x4 matrix that takes a triangle to the unit triangle (0,0,0), (1,0,0), (0,1,0) (S. Woop, "A
+// Ray Tracing Hardware Architecture for Dynamic Scenes", 2004). For a ray o + t d in world space
+// and each row r: o' = r.xyz . o + r.w and d' = r.xyz . d. The rows stand in the order they are
+// needed.
 //
 //   row_w: t = -o'w / d'w
 //   row_u: u = o'u + t d'u, weight of the second vertex

@@ -1,6 +1,7 @@
 /**
  * @file
- * What is known of a surface beside the acceleration structure: vertices and triangles, world space.
+ * What is known of a surface beside the acceleration structure: vertices and triangles, world
+ * space.
  */
 #ifndef SHARED_GEOMETRY_H
 #define SHARED_GEOMETRY_H
@@ -16,7 +17,8 @@ struct vertex {
 };
 SHARED_SIZE(vertex, 32);
 
-// Counter-clockwise seen from the front; instances with negative determinant have been turned round.
+// Counter-clockwise seen from the front; instances with negative determinant have been turned
+// round.
 struct triangle {
     uint v0, v1, v2; // indices into vertices
     uint material;   // index into materials

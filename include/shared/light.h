@@ -2,11 +2,14 @@
  * @file
  * Lights and the light tree as kernels read them.
  *
- * Source of the tree: the thesis, section 3.4. A node bounds the affecting spheres of its lights; a shading point
- * descends from the root without a stack, drawing one child where both hold the point.
- * Differs from it: lights without an affecting radius (punctual lights without `range`, emissive surfaces) reach everywhere.
- * They form a subtree of their own with infinite boxes, whose children are drawn in proportion to their power, so that no
- * bias and no preference for a badly balanced branch is added.
+ * Source of the tree: the thesis, section 3.4. A node bounds the affecting spheres of its lights; a
+ * shading point descends from the root without a stack, drawing one child where both hold the
+ * point.
+ *
+ * Differs from it: lights without an affecting radius (punctual lights without `range`,
+ * emissive surfaces) reach everywhere. They form a subtree of their own with boundless boxes, whose
+ * children are drawn in proportion to their power, so that no bias and no preference for a badly
+ * balanced branch is added.
  */
 #ifndef SHARED_LIGHT_H
 #define SHARED_LIGHT_H
@@ -15,27 +18,23 @@
 
 enum light_type {
     LIGHT_POINT = 0,
-    LIGHT_SPOT = 1,
+    LIGHT_SPOT = 1, // edge_u.w, edge_v.w: scale and offset of KHR_lights_punctual's cone falloff
     LIGHT_TRIANGLE = 2, // one emissive triangle
     LIGHT_RECTANGLE = 3 // two emissive triangles that make a rectangle
 };
 
-#define LIGHT_TWO_SIDED 256u  // bit of light.kind: emits on both sides
-#define LIGHT_TYPE_MASK 255u  // bits of light.kind: enum light_type
-#define LIGHT_NO_RANGE 0.0f   // light.range of a light that reaches everywhere
+#define LIGHT_TWO_SIDED 256u // bit of light.kind: emits on both sides
+#define LIGHT_TYPE_MASK 255u // bits of light.kind: enum light_type
+#define LIGHT_NO_RANGE  0.0f // light.range of a light that reaches everywhere
 
-// One light, world space.
-//
-//               point     spot                      triangle / rectangle
-//   org         position  position                  first corner
-//   edge_u      -         unit axis, away from it   from it to the second corner
-//   edge_v      -         -                         from it to the third corner (rectangle: the far end of the other side)
-//   cone        -         scale, offset             u, v: UV-free; area, m2 in cone_scale
+// One light, world space. A point on a triangle or rectangle is org + s edge_u + t edge_v, with
+// s, t >= 0 and s + t <= 1 (triangle) or s, t <= 1 (rectangle); its front is where edge_u x edge_v
+// points. Only triangles can be textured.
 struct light {
-    float4 org_range;  // xyz; w affecting radius, m, or LIGHT_NO_RANGE
-    float4 color_kind; // rgb intensity, cd, or radiance (factor of it where textured); w bits: light_type | LIGHT_TWO_SIDED
-    float4 edge_u;     // xyz; w spot: scale; triangle, rectangle: area, m2
-    float4 edge_v;     // xyz; w spot: offset; triangle: bits of its triangle index; rectangle: bits of the first triangle's
+    float4 org_range;  // xyz position or corner, m; w affecting radius, m, or LIGHT_NO_RANGE
+    float4 color_kind; // rgb intensity, cd, or radiance, cd/m2; w bits of light_type and two-sided
+    float4 edge_u;     // xyz edge, m, or a spot's unit axis; w area, m2, or a spot's scale
+    float4 edge_v;     // xyz edge, m; w bits of the (first) triangle, or a spot's offset
 };
 SHARED_SIZE(light, 64);
 
@@ -46,13 +45,16 @@ struct directional_light {
 };
 SHARED_SIZE(directional_light, 32);
 
-// light_node.child: index of the right child (the left one is the next node), or LIGHT_NODE_LEAF | light index.
+// A node's child word: index of the right child (the left one is the next node), or
+// LIGHT_NODE_LEAF | light index.
 #define LIGHT_NODE_LEAF 0x80000000u
 
-// One node of the tree, depth first, root at 0.
+// One node of the tree, depth first, root at 0. Boxes of lights without a range reach from -FLT_MAX
+// to FLT_MAX.
 struct light_node {
-    float4 lo_left;  // xyz lower corner, m, may be -infinity; w probability of the left child where both hold the point
-    float4 hi_child; // xyz upper corner, m, may be +infinity; w bits of the child word
+    float4
+        lo_left; // xyz lower corner, m; w probability of the left child where both hold the point
+    float4 hi_child; // xyz upper corner, m; w bits of the child word
 };
 SHARED_SIZE(light_node, 32);
 

@@ -2,8 +2,8 @@
  * @file
  * Materials and their textures as kernels read them.
  *
- * Both of glTF's workflows are kept as the file gives them; the material stage turns them into one set of BSDF
- * parameters after the textures are fetched.
+ * Both of glTF's workflows are kept as the file gives them; the material stage turns them into one
+ * set of BSDF parameters after the textures are fetched.
  */
 #ifndef SHARED_MATERIAL_H
 #define SHARED_MATERIAL_H
@@ -13,7 +13,8 @@
 // Textures of one material, by what they mean; (sRGB) ones are decoded to linear before filtering.
 enum texture_use {
     TEXTURE_BASE = 0,     // rgb base or diffuse colour (sRGB), a alpha (linear)
-    TEXTURE_SURFACE = 1,  // metallic-roughness: g roughness, b metalness; specular-glossiness: rgb specular colour (sRGB), a glossiness
+    TEXTURE_SURFACE = 1,  // metallic-roughness: g roughness, b metalness; specular-glossiness: rgb
+                          // specular colour (sRGB), a glossiness
     TEXTURE_EMISSIVE = 2, // rgb (sRGB)
     TEXTURE_SPECULAR = 3, // a: strength of KHR_materials_specular
     TEXTURE_SPECULAR_COLOR = 4, // rgb (sRGB)
@@ -21,24 +22,22 @@ enum texture_use {
 };
 
 // texture_slot.flags
-#define TEXTURE_PRESENT 1u      // else the slot reads as 1, 1, 1, 1
-#define TEXTURE_UV1 2u          // reads TEXCOORD_1, else TEXCOORD_0
-#define TEXTURE_NEAREST 4u      // magnified without filtering, else bilinear
-#define TEXTURE_SRGB 8u         // rgb are sRGB coded; a never is
+#define TEXTURE_PRESENT      1u // else the slot reads as 1, 1, 1, 1
+#define TEXTURE_UV1          2u // reads TEXCOORD_1, else TEXCOORD_0
+#define TEXTURE_NEAREST      4u // magnified without filtering, else bilinear
+#define TEXTURE_SRGB         8u // rgb are sRGB coded; a never is
 #define TEXTURE_WRAP_S_SHIFT 4u // two bits of enum texture_wrap
 #define TEXTURE_WRAP_T_SHIFT 6u
 
-enum texture_wrap {
-    TEXTURE_WRAP_REPEAT = 0,
-    TEXTURE_WRAP_CLAMP = 1,
-    TEXTURE_WRAP_MIRROR = 2
-};
+enum texture_wrap { TEXTURE_WRAP_REPEAT = 0, TEXTURE_WRAP_CLAMP = 1, TEXTURE_WRAP_MIRROR = 2 };
 
 // One use of one texture: where its texels are, and how a UV reaches them.
 struct texture_slot {
-    float4 uv_matrix; // u' = x u + y v + uv_offset.x, v' = z u + w v + uv_offset.y (KHR_texture_transform)
+    float4 uv_matrix; // u' = x u + y v + uv_offset.x, v' = z u + w v + uv_offset.y
+                      // (KHR_texture_transform)
     float2 uv_offset;
-    uint texel_first; // index of the first texel in the pool: RGBA, 8 bits each, r lowest; rows from the top
+    uint texel_first; // index of the first texel in the pool: RGBA, 8 bits each, r lowest; rows
+                      // from the top
     uint size;        // width | height << 16, texels, both 1 .. 65535
     uint flags;       // TEXTURE_...
     uint pad0, pad1, pad2;
@@ -46,16 +45,17 @@ struct texture_slot {
 SHARED_SIZE(texture_slot, 48);
 
 // material.flags
-#define MATERIAL_SPECULAR_GLOSSINESS 1u // else metallic-roughness
-#define MATERIAL_MASKED 2u              // alpha below the cut-off is not there
-#define MATERIAL_EMITS_BACK 4u          // emits on both sides
-#define MATERIAL_UNLIT 8u               // shows its base colour, reflects nothing
-#define MATERIAL_VERTEX_COLOR 16u       // multiply with vertex_colors[]
+#define MATERIAL_SPECULAR_GLOSSINESS 1u  // else metallic-roughness
+#define MATERIAL_MASKED              2u  // alpha below the cut-off is not there
+#define MATERIAL_EMITS_BACK          4u  // emits on both sides
+#define MATERIAL_UNLIT               8u  // shows its base colour, reflects nothing
+#define MATERIAL_VERTEX_COLOR        16u // multiply with vertex_colors[]
 
 struct material {
     float4 base;     // rgb factor of base or diffuse colour, linear; a factor of alpha
     float4 emission; // rgb radiance factor, emissive_strength included; w alpha cut-off
-    float4 specular; // rgb factor of specular colour; w strength (KHR_materials_specular, 1 if absent)
+    float4
+        specular; // rgb factor of specular colour; w strength (KHR_materials_specular, 1 if absent)
     float metallic;   // factor, 0 .. 1
     float roughness;  // factor, 0 .. 1
     float glossiness; // factor, 0 .. 1

@@ -2,8 +2,9 @@
  * @file
  * Unit vectors in 32 bits: octahedral, two signed 16-bit coordinates.
  *
- * Source: Z. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2),
- * 2014, section 3: oct32. Differs from it: plain rounding, not the precise search; the largest error is 0.0037 degrees.
+ * Source: Z. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors",
+ * JCGT 3(2), 2014, section 3: oct32. Differs from it: plain rounding, not the precise search; the
+ * largest error is 0.0037 degrees.
  */
 #ifndef SHARED_OCT_H
 #define SHARED_OCT_H

@@ -1,10 +1,10 @@
 /**
  * @file
- * Random numbers as a pure function of (seed, pixel, sample, dimension): no state, so any order of work gives
- * the same bits.
+ * Random numbers as a pure function of (seed, pixel, sample, dimension): no state, so any order of
+ * work gives the same bits.
  *
- * Source: M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020: pcg4d. One call gives
- * four numbers, one block of a path's dimensions.
+ * Source: M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020: pcg4d. One
+ * call gives four numbers, one block of a path's dimensions.
  */
 #ifndef SHARED_RNG_H
 #define SHARED_RNG_H

@@ -7,10 +7,7 @@
 
 #include "shared/base.h"
 
-enum quantity {
-    QUANTITY_RADIANCE = 0,
-    QUANTITY_IRRADIANCE = 1
-};
+enum quantity { QUANTITY_RADIANCE = 0, QUANTITY_IRRADIANCE = 1 };
 
 enum light_sampler {
     LIGHT_SAMPLER_TREE = 0,    // thesis, section 3.4

@@ -1,10 +1,12 @@
 /**
  * @file
- * The order in which pixels enter the ray queue: Z-order (Morton order) inside tiles, tiles by rows.
+ * The order in which pixels enter the ray queue: Z-order (Morton order) inside tiles, tiles by
+ * rows.
  *
- * The thesis (section 3.5) walks the whole image in Z-order, which is a bijection for squares of a power of two
- * only. Tiles keep it one at any size: a whole tile is walked in Z-order, a cut one at the right or lower edge
- * row by row. A tile is 1024 rays, far more than share a warp or a cache line, so nothing of the coherence is lost.
+ * The thesis (section 3.5) walks the whole image in Z-order, which is a bijection for squares of a
+ * power of two only. Tiles keep it one at any size: a whole tile is walked in Z-order, a cut one at
+ * the right or lower edge row by row. A tile is 1024 rays, far more than share a warp or a cache
+ * line, so nothing of the coherence is lost.
  */
 #ifndef SHARED_ZORDER_H
 #define SHARED_ZORDER_H

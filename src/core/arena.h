@@ -16,7 +16,8 @@ struct arena {
 /**
  * Allocates zeroed memory, aligned for any type, that lives until arena_free().
  *
- * @param count, size  Elements and bytes of each; the product is checked for overflow. 0 elements give a valid pointer.
+ * @param count, size  Elements and bytes of each; the product is checked for overflow. 0 elements
+ * give a valid pointer.
  * @return NULL if there is not enough memory.
  */
 void *arena_alloc(struct arena *arena, size_t count, size_t size);

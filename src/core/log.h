@@ -5,12 +5,7 @@
 #ifndef CORE_LOG_H
 #define CORE_LOG_H
 
-enum log_level {
-    LOG_ERROR,
-    LOG_WARNING,
-    LOG_INFO,
-    LOG_DEBUG
-};
+enum log_level { LOG_ERROR, LOG_WARNING, LOG_INFO, LOG_DEBUG };
 
 /** Receives one message without line end. */
 typedef void log_function(void *user, enum log_level level, const char *message);

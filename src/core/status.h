@@ -1,9 +1,10 @@
 /**
  * @file
- * How failures travel: a code that is returned, and one message that is said where the failure is known.
+ * How failures travel: a code that is returned, and one message that is said where the failure is
+ * known.
  *
- * Whoever detects a failure returns status_fail(code, "what, which, why"). All above pass the code on. The
- * message belongs to the thread and is printed once, by main.
+ * Whoever detects a failure returns status_fail(code, "what, which, why"). All above pass the code
+ * on. The message belongs to the thread and is printed once, by main.
  */
 #ifndef CORE_STATUS_H
 #define CORE_STATUS_H
@@ -29,10 +30,12 @@ enum status {
 };
 
 /**
- * Keeps a message for the thread and returns `code`, so that a failure is one line: return status_fail(...).
+ * Keeps a message for the thread and returns `code`, so that a failure is one line: return
+ * status_fail(...).
  *
  * @param code    Not STATUS_OK.
- * @param format  As printf; names the thing (file, mesh, material, call) and, where there is one, the fix. No full stop.
+ * @param format  As printf; names the thing (file, mesh, material, call) and, where there is one,
+ * the fix. No full stop.
  */
 #ifdef __GNUC__
 __attribute__((format(printf, 2, 3)))
@@ -40,7 +43,8 @@ __attribute__((format(printf, 2, 3)))
 enum status
 status_fail(enum status code, const char *format, ...);
 
-/** The message of the thread's last failure; "" if there was none. Valid until the next status_fail(). */
+/** The message of the thread's last failure; "" if there was none. Valid until the next
+ * status_fail(). */
 const char *status_message(void);
 
 /** The name of a code, as "out of memory". Never NULL. */

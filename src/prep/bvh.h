@@ -1,10 +1,12 @@
 /**
  * @file
- * The thesis's BVH: top-down, greedy, surface area heuristic sampled at 8 places per axis (section 3.1).
+ * The thesis's BVH: top-down, greedy, surface area heuristic sampled at 8 places per axis
+ * (section 3.1).
  *
- * Source: I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", RT 2007: bins over the centroids.
- * Differs from it: 8 candidate planes an axis, all three axes; a node becomes a leaf only by count, as in the thesis, never by cost;
- * where no plane separates the centroids, the references are halved as they stand.
+ * Source: I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", RT 2007: bins
+ * over the centroids. Differs from it: 8 candidate planes an axis, all three axes; a node becomes a
+ * leaf only by count, as in the thesis, never by cost; where no plane separates the centroids, the
+ * references are halved as they stand.
  */
 #ifndef PREP_BVH_H
 #define PREP_BVH_H
@@ -24,9 +26,10 @@ struct bvh_build_node {
 /** A built tree. All zero is a valid tree of nothing. */
 struct bvh {
     struct bvh_build_node *nodes; // [node_count], root at 0; owned
-    uint32_t *order;              // [ref_count], leaves' references in order: indices into the tri_refs given; owned
+    uint32_t
+        *order; // [ref_count], leaves' references in order: indices into the tri_refs given; owned
     uint32_t node_count, ref_count;
-    uint32_t depth;               // nodes on the longest way down
+    uint32_t depth; // nodes on the longest way down
 };
 
 /**
@@ -37,9 +40,11 @@ struct bvh {
  * @param leaf_size  A node with fewer references becomes a leaf: 2 .. BVH_LEAF_MAX + 1.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
-enum status bvh_build(struct bvh *out, const struct tri_ref *refs, uint32_t ref_count, uint32_t leaf_size);
+enum status bvh_build(struct bvh *out, const struct tri_ref *refs, uint32_t ref_count,
+                      uint32_t leaf_size);
 
-/** Expected cost of a random ray that meets the root: nodes visited times 1 plus references tested times 1. */
+/** Expected cost of a random ray that meets the root: nodes visited times 1 plus references tested
+ * times 1. */
 double bvh_sah_cost(const struct bvh *bvh);
 
 void bvh_free(struct bvh *bvh);

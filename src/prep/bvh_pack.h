@@ -1,6 +1,7 @@
 /**
  * @file
- * Turns the build tree into what kernels read: 64-byte nodes, Woop rows and reference words (shared/bvh.h).
+ * Turns the build tree into what kernels read: 64-byte nodes, Woop rows and reference words
+ * (shared/bvh.h).
  */
 #ifndef PREP_BVH_PACK_H
 #define PREP_BVH_PACK_H
@@ -14,20 +15,23 @@
 
 /** All zero is a valid empty one. */
 struct packed_bvh {
-    struct bvh_node *nodes; // [node_count], depth first, root at 0; at least one: of no or few triangles, a root with empty leaves; owned
+    struct bvh_node *nodes; // [node_count], depth first, root at 0; at least one: of no or few
+                            // triangles, a root with empty leaves; owned
     struct woop *woop;      // [ref_count]; owned
     uint32_t *refs;         // [ref_count], BVH_REF_...; owned
     uint32_t node_count, ref_count;
 };
 
 /**
- * Packs the tree depth first. Boxes are rounded outwards so that Woop's test never loses a hit at a box's face.
+ * Packs the tree depth first. Boxes are rounded outwards so that Woop's test never loses a hit at a
+ * box's face.
  *
- * @retval STATUS_LIMIT      The tree is deeper than BVH_STACK_SIZE or has more references than a child word reaches.
+ * @retval STATUS_LIMIT      The tree is deeper than BVH_STACK_SIZE or has more references than a
+ * child word reaches.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
-enum status bvh_pack(struct packed_bvh *out, const struct bvh *bvh, const struct tri_ref *refs, const struct geometry *geometry,
-                     const struct scene_material *materials);
+enum status bvh_pack(struct packed_bvh *out, const struct bvh *bvh, const struct tri_ref *refs,
+                     const struct geometry *geometry, const struct scene_material *materials);
 
 void packed_bvh_free(struct packed_bvh *packed);
 

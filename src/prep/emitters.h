@@ -1,6 +1,7 @@
 /**
  * @file
- * Collects what emits light: punctual lights, rectangles and triangles of emissive surfaces, directional lights.
+ * Collects what emits light: punctual lights, rectangles and triangles of emissive surfaces,
+ * directional lights.
  */
 #ifndef PREP_EMITTERS_H
 #define PREP_EMITTERS_H
@@ -14,23 +15,26 @@
 
 /** All zero is a valid set of no lights. */
 struct emitters {
-    struct light *lights;                  // [light_count], those of the light tree; owned
-    float *power;                          // [light_count] luminous power, lm (factor of it where textured, mean taken); owned
-    uint32_t *triangle_emitters;           // [triangle_count] index into lights or EMITTER_NONE; NULL if none emits; owned
+    struct light *lights; // [light_count], those of the light tree; owned
+    float
+        *power; // [light_count] luminous power, lm (factor of it where textured, mean taken); owned
+    uint32_t *triangle_emitters; // [triangle_count] index into lights or EMITTER_NONE; NULL if none
+                                 // emits; owned
     struct directional_light *directional; // [directional_count]; owned
     uint32_t light_count, directional_count;
     uint32_t point_count, spot_count, rectangle_count, triangle_count; // lights by type
-    uint32_t emissive_triangles;           // triangles that emit, in rectangles or alone
+    uint32_t emissive_triangles; // triangles that emit, in rectangles or alone
 };
 
 /**
- * Collects the emitters of a scene. Lights of no power are left out. Two neighbouring triangles of one untextured mesh that make a
- * rectangle become one LIGHT_RECTANGLE.
+ * Collects the emitters of a scene. Lights of no power are left out. Two neighbouring triangles of
+ * one untextured mesh that make a rectangle become one LIGHT_RECTANGLE.
  *
  * @retval STATUS_LIMIT      2^22 lights or more (shared/rng.h counts them in 22 bits).
  * @retval STATUS_NO_MEMORY  They do not fit.
  */
-enum status emitters_build(struct emitters *out, const struct scene *scene, const struct geometry *geometry);
+enum status emitters_build(struct emitters *out, const struct scene *scene,
+                           const struct geometry *geometry);
 
 void emitters_free(struct emitters *emitters);
 

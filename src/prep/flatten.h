@@ -1,6 +1,7 @@
 /**
  * @file
- * Flattens instances: every placed mesh becomes its own vertices and triangles in world space (thesis section 3.2).
+ * Flattens instances: every placed mesh becomes its own vertices and triangles in world space
+ * (thesis section 3.2).
  */
 #ifndef PREP_FLATTEN_H
 #define PREP_FLATTEN_H
@@ -14,16 +15,17 @@
 
 /** World-space geometry. All zero is a valid empty one. */
 struct geometry {
-    struct vertex *vertices;    // [vertex_count]; owned
-    uint2 *colors;              // [vertex_count] or NULL: COLOR_0 as four unorm16, r in the low half of x; owned
+    struct vertex *vertices; // [vertex_count]; owned
+    uint2 *colors; // [vertex_count] or NULL: COLOR_0 as four unorm16, r in the low half of x; owned
     struct triangle *triangles; // [triangle_count]; owned
     uint32_t vertex_count, triangle_count;
-    float lo[3], hi[3];         // bounds, m; all 0 if there is no triangle
+    float lo[3], hi[3]; // bounds, m; all 0 if there is no triangle
 };
 
 /**
- * Places every instance. Normals go by the inverse transpose and are renormalised; where the determinant is negative the
- * winding is turned round, so that fronts stay fronts. Zero and non-finite normals become the face's.
+ * Places every instance. Normals go by the inverse transpose and are renormalised; where the
+ * determinant is negative the winding is turned round, so that fronts stay fronts. Zero and
+ * non-finite normals become the face's.
  *
  * @param[out] out  Written on success only; release with geometry_free().
  * @retval STATUS_LIMIT      More than BVH_REF_TRIANGLE triangles or vertices.

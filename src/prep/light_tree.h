@@ -1,10 +1,12 @@
 /**
  * @file
- * The light tree of thesis section 3.4 (shared/light.h): a hierarchy over the lights' affecting spheres.
+ * The light tree of thesis section 3.4 (shared/light.h): a hierarchy over the lights' affecting
+ * spheres.
  *
- * Lights with a range are split top-down by the binary split, of all possible ones along each axis, with the least sum of the two children's
- * volumes. Lights without one are halved along their longest axis into nodes with infinite boxes, whose children are drawn by power.
- * Where there are both kinds, the root has the first for its left child and the second for its right.
+ * Lights with a range are split top-down by the binary split, of all possible ones along each axis,
+ * with the least sum of the two children's volumes. Lights without one are halved along their
+ * longest axis into nodes with boundless boxes, whose children are drawn by power. Where there are
+ * both kinds, the root has the first for its left child and the second for its right.
  */
 #ifndef PREP_LIGHT_TREE_H
 #define PREP_LIGHT_TREE_H
@@ -24,15 +26,18 @@ struct light_tree {
 };
 
 /**
- * Builds the tree. Probabilities of left children are 0.5 among lights with a range and between the two kinds.
+ * Builds the tree. Probabilities of left children are 0.5 among lights with a range and between the
+ * two kinds.
  *
  * @param lights, power  [light_count], borrowed; power > 0.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
-enum status light_tree_build(struct light_tree *out, const struct light *lights, const float *power, uint32_t light_count);
+enum status light_tree_build(struct light_tree *out, const struct light *lights, const float *power,
+                             uint32_t light_count);
 
 /**
- * The probability that a random descent at `point` ([3], m) ends in this light; 0 where it cannot. The host's twin of the kernels' own.
+ * The probability that a random descent at `point` ([3], m) ends in this light; 0 where it cannot.
+ * The host's twin of the kernels' own.
  */
 double light_tree_pmf(const struct light_tree *tree, const float *point, uint32_t light);
 

@@ -17,18 +17,21 @@ struct image_attribute {
 };
 
 /**
- * Decodes an image in memory (PNG, JPEG, WebP: found by its first bytes) to 8-bit RGBA, rows from the top. Grey becomes
- * RGB, missing alpha 255, 16 bits are rounded to 8; no colour conversion, no premultiplication.
+ * Decodes an image in memory (PNG, JPEG, WebP: found by its first bytes) to 8-bit RGBA, rows from
+ * the top. Grey becomes RGB, missing alpha 255, 16 bits are rounded to 8; no colour conversion, no
+ * premultiplication.
  *
  * @param[out] rgba  [width * height * 4], to be released with free().
  * @param name       For messages.
  * @retval STATUS_FORMAT     Not an image, or a broken one, or larger than 65535 on a side.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
-enum status image_decode(uint8_t **rgba, uint32_t *width, uint32_t *height, const void *bytes, size_t size, const char *name);
+enum status image_decode(uint8_t **rgba, uint32_t *width, uint32_t *height, const void *bytes,
+                         size_t size, const char *name);
 
 /**
- * Reads a file's R, G and B as float; a grey file gives three times the same. 8-bit files are decoded from sRGB.
+ * Reads a file's R, G and B as float; a grey file gives three times the same. 8-bit files are
+ * decoded from sRGB.
  *
  * @param[out] rgb  [width * height * 3], rows from the top, to be released with free().
  * @retval STATUS_IO      It cannot be opened.
@@ -37,8 +40,9 @@ enum status image_decode(uint8_t **rgba, uint32_t *width, uint32_t *height, cons
 enum status image_read_rgb(float **rgb, uint32_t *width, uint32_t *height, const char *path);
 
 /**
- * Writes RGB in the format that the name's extension asks for: .exr and .hdr float, .tif float, .png and .jpg 8 bits
- * (values are taken as display-referred 0 .. 1 there and only quantised). The file appears whole or not at all. No dates are written.
+ * Writes RGB in the format that the name's extension asks for: .exr and .hdr float, .tif float,
+ * .png and .jpg 8 bits (values are taken as display-referred 0 .. 1 there and only quantised). The
+ * file appears whole or not at all. No dates are written.
  *
  * @param rgb         [width * height * 3], rows from the top.
  * @param attributes  [attribute_count], for formats that hold them.

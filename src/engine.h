@@ -1,0 +1,42 @@
+/**
+ * @file
+ * What stands behind the public API's opaque handles.
+ */
+#ifndef ENGINE_H
+#define ENGINE_H
+
+#include "lightkiln/lightkiln.h"
+#include "prep/bvh_pack.h"
+#include "prep/emitters.h"
+#include "prep/flatten.h"
+#include "prep/light_tree.h"
+#include "prep/textures.h"
+#include "scene/scene.h"
+
+/** What prep/ makes of a scene. All zero: not prepared. */
+struct prepared {
+    struct geometry geometry;
+    struct packed_bvh bvh;
+    struct emitters emitters;
+    struct light_tree light_tree;
+    struct material_set materials;
+    float split_threshold; // settings it was made with
+    uint32_t leaf_size;
+    bool ready;
+    double seconds; // it took
+};
+
+struct lk_scene {
+    struct scene scene;
+    struct prepared prepared;
+    double import_s;
+};
+
+struct lk_image {
+    float *rgb; // [width * height * 3], rows from the top; owned
+    uint32_t width, height;
+    bool rendered;              // info is valid
+    struct lk_render_info info; // its strings are owned
+};
+
+#endif
