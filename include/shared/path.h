@@ -17,9 +17,10 @@ struct batch {
 };
 SHARED_SIZE(batch, 16);
 
-// path.flags
-#define PATH_SPECULAR 1u // the last bounce cannot be met by light sampling: count emission in full
-#define PATH_LAST     2u // after this hit the path only collects emission
+// Flags of a path, the low bits of path.radiance_flags.w.
+#define PATH_ALIVE    1u // has a ray to trace
+#define PATH_SPECULAR 2u // no light sample could have met this ray: count emission in full
+#define PATH_COLLECT  4u // past the last shaded hit: the ray only collects emission
 
 // What a path carries from bounce to bounce.
 struct path {
@@ -29,35 +30,32 @@ struct path {
 };
 SHARED_SIZE(path, 32);
 
-// shade.flags, low bits
-#define SHADE_ACTIVE 1u // there is a surface to light here
+// Flags of a shaded hit, shade.flags.
+#define SHADE_ACTIVE    1u // there is a surface to light
+#define SHADE_NO_BOUNCE 2u // no ray follows that could meet a light: light samples count in full
+#define SHADE_MIRROR    4u // the specular lobe is a perfect mirror, out of reach of light samples
 
 // One shaded hit: written by material, read by direct and directional.
 struct shade {
-    float4 org_normal;    // xyz origin for rays that leave the surface, m; w bits of the geometric
-                          // normal, on the side of the viewer
-    float4 diffuse_alpha; // rgb diffuse colour; w roughness alpha of the microfacets, or the Phong
-                          // exponent, 0: none
+    float4 org_normal; // xyz where rays leave the surface, m; w bits of its normal, viewer's side
+    float4 diffuse_alpha; // rgb diffuse colour; w microfacet alpha, or Phong exponent
     float4 f0_f90;        // rgb specular colour at normal incidence; w at grazing incidence
-    float4 throughput_f;  // rgb weight of the path before this bounce; w largest dielectric
-                          // reflectance at normal incidence
-    uint normal;          // bits of the shading normal, oct_pack()
-    uint view;            // bits of the unit direction to the viewer
-    float specular;       // strength of the dielectric layer, its reflectance at grazing incidence
-    uint flags;           // SHADE_..., PATH_... of this hit
+    float4 throughput_f; // rgb weight of the path so far; w dielectric reflectance (largest of rgb)
+    uint normal;         // bits of the shading normal, oct_pack()
+    uint view;           // bits of the direction to the viewer, oct_pack()
+    float dielectric_f90; // the dielectric's reflectance at grazing incidence
+    uint flags;           // SHADE_...
 };
 SHARED_SIZE(shade, 80);
 
-// One set for each bounce; every stage reads its own count here, so the host never waits inside a
-// batch.
+// One set for each bounce. Stages read their counts here, so the host never waits inside a batch.
 struct counters {
     uint active;           // paths alive at the start of the bounce
     uint trace_head;       // next ray of the persistent trace kernel
     uint direct_head;      // next hit of the persistent direct kernel
     uint directional_head; // next hit of the persistent directional kernel
-    uint rays;             // rays traced
     uint shadow_rays;      // shadow rays traced
-    uint pad0, pad1;
+    uint pad0, pad1, pad2;
 };
 SHARED_SIZE(counters, 32);
 

@@ -1,0 +1,41 @@
+// Stage 2, trace: the nearest hit of every active ray.
+//
+//   in    rays and queue of this bounce, BVH
+//   out   hits[slot]
+//   next  sort
+//
+// Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
+// NODES_IMAGE reads nodes through a 1D texture; ALPHA_MASKS tests alpha at candidate hits.
+
+#include "lib/queue.h"
+#include "lib/traverse.h"
+#include "shared/path.h"
+
+__kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
+    BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
+    __global const struct vertex *vertices, __global const uint2 *colors,
+    __global const struct triangle *triangles, __global const struct material *materials,
+    __global const uint *texels, __global const struct ray *restrict rays,
+    __global const uint *restrict queue, __global struct hit *restrict hits,
+    __global struct counters *counters, const uint bounce)
+{
+    struct surface surface;
+    surface.vertices = vertices;
+    surface.colors = colors;
+    surface.triangles = triangles;
+    surface.materials = materials;
+    surface.texels = texels;
+
+    const uint count = counters[bounce].active;
+    QUEUE_LOCAL(run);
+    for (uint i = queue_first(&counters[bounce].trace_head, run); queue_group(i) < count;
+         i = queue_next(i, &counters[bounce].trace_head, run)) {
+        if (i >= count)
+            continue;
+        const uint slot = queue[i];
+        const float4 org_tmin = rays[slot].org_tmin;
+        const float4 dir_tmax = rays[slot].dir_tmax;
+        hits[slot] = traverse(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
+                              dir_tmax.w, false);
+    }
+}
