@@ -1,0 +1,100 @@
+// Stage 5, direct: light from the lights of the tree at every shaded hit, by shadow rays.
+//
+//   in    shades, queue of this bounce, lights and their tree, BVH
+//   out   paths[slot].radiance
+//   next  directional
+//
+// Variants: those of trace.
+
+#include "lib/bsdf.h"
+#include "lib/light.h"
+#include "lib/queue.h"
+#include "lib/traverse.h"
+#include "shared/camera.h"
+#include "shared/rng.h"
+#include "shared/zorder.h"
+
+#define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
+
+__kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
+    BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
+    __global const struct vertex *vertices, __global const uint2 *colors,
+    __global const struct triangle *triangles, __global const struct material *materials,
+    __global const uint *texels, __constant struct settings *settings,
+    __constant struct camera *camera, const struct batch batch, const uint bounce,
+    __global const struct light *restrict lights,
+    __global const struct light_node *restrict light_nodes, __global const uint *restrict queue,
+    __global const struct hit *restrict hits, __global const struct shade *restrict shades,
+    __global struct path *restrict paths, __global struct counters *counters)
+{
+    struct surface surface;
+    surface.vertices = vertices;
+    surface.colors = colors;
+    surface.triangles = triangles;
+    surface.materials = materials;
+    surface.texels = texels;
+
+    const uint sampler = settings->light_sampler;
+    const uint light_count = settings->light_count;
+    const uint ray_count = sampler == LIGHT_SAMPLER_ALL ? light_count : settings->shadow_rays;
+    const uint count = counters[bounce].active;
+    uint traced = 0; // shadow rays of this work item
+    QUEUE_LOCAL(run);
+    for (uint i = queue_first(&counters[bounce].direct_head, run); queue_group(i) < count;
+         i = queue_next(i, &counters[bounce].direct_head, run)) {
+        if (i >= count)
+            continue;
+        const uint slot = queue[i];
+        if (hits[slot].triangle == HIT_NONE || !(shades[slot].flags & SHADE_ACTIVE))
+            continue;
+        const struct bsdf b = bsdf_load(&shades[slot]);
+        const float3 p = shades[slot].org_normal.xyz;
+        const bool alone = (shades[slot].flags & SHADE_NO_BOUNCE) != 0;
+        const uint place = batch.first_pixel + slot;
+        const uint sample = batch.first_sample + place / batch.pixel_count;
+        const uint pixel = zorder_pixel(place % batch.pixel_count, camera->width, camera->height);
+
+        float3 sum = (float3)(0.0f); // over the shadow rays
+        for (uint k = 0; k < ray_count; k++) {
+            // Draw a light.
+            const uint4 bits =
+                rng_bits(settings->seed, pixel, sample, rng_dimension(bounce, RNG_USE_LIGHT, k));
+            float expected = 1.0f; // times this hit takes this light, on average
+            uint light = k;
+            if (sampler == LIGHT_SAMPLER_UNIFORM) {
+                light = min((uint)(rng_unit(bits.x) * (float)light_count), light_count - 1);
+                expected = (float)ray_count / (float)light_count;
+            } else if (sampler == LIGHT_SAMPLER_TREE) {
+                light = light_tree_draw(&expected, light_nodes, p, rng_unit(bits.x));
+                expected *= (float)ray_count;
+                if (light == EMITTER_NONE)
+                    continue;
+            }
+
+            // Draw a point on it, and weigh what comes from there.
+            const struct light_sample sampled =
+                light_sample(lights, light, &surface, p, rng_unit(bits.y), rng_unit(bits.z));
+            if (max3(sampled.radiance) <= 0.0f)
+                continue;
+            float density = 0.0f; // with which a bounce finds this direction
+            float3 value = bsdf_eval(&density, &b, sampled.dir) * sampled.radiance;
+            if (max3(value) <= 0.0f)
+                continue;
+            if (sampled.density > 0.0f) {
+                expected *= sampled.density;
+                if (!alone)
+                    value *= mis_weight(expected, density);
+            }
+
+            // Ask whether the way is free.
+            traced++;
+            const struct hit blocker = traverse(nodes, woop, refs, &surface, p, sampled.dir, 0.0f,
+                                                sampled.distance * SHADOW_REACH, true);
+            if (blocker.triangle == HIT_NONE)
+                sum += value / expected;
+        }
+        paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;
+    }
+    if (traced != 0)
+        atomic_add(&counters[bounce].shadow_rays, traced);
+}

@@ -1,0 +1,39 @@
+// Stage 8, film: adds the finished paths of a batch to the pixels.
+//
+//   in    paths
+//   out   film[place in Z-order]
+//   next  raygen of the next batch
+//
+// One item a pixel, its samples in order: the sum does not depend on how paths were cut into
+// batches.
+
+#include "lib/math.h"
+#include "shared/film.h"
+#include "shared/path.h"
+
+#ifndef WG_FILM
+#define WG_FILM 64 // work items in a group
+#endif
+
+__kernel __attribute__((reqd_work_group_size(WG_FILM, 1, 1))) void film(
+    const struct batch batch, __global const struct path *restrict paths,
+    __global struct film_pixel *restrict film)
+{
+    const uint first = get_global_id(0);
+    if (first >= min(batch.count, batch.pixel_count))
+        return; // the launch is rounded up to whole groups
+    const uint place = (batch.first_pixel + first) % batch.pixel_count;
+
+    float4 sum = film[place].sum;
+    float4 carry = film[place].carry;
+    for (uint slot = first; slot < batch.count; slot += batch.pixel_count) {
+        const float3 radiance = paths[slot].radiance_flags.xyz;
+        const float light = luminance(radiance);
+        const float4 value = (float4)(radiance, light * light) - carry;
+        const float4 next = sum + value;
+        carry = (next - sum) - value;
+        sum = next;
+    }
+    film[place].sum = sum;
+    film[place].carry = carry;
+}

@@ -1,0 +1,264 @@
+/**
+ * @file
+ * The BSDFs: glTF 2.0's, and with BRDF_PHONG the thesis's.
+ *
+ * glTF: appendix B of the specification: a metal and a dielectric mixed by metalness, both with
+ * a GGX microfacet lobe, the dielectric over a Lambert base. Mixed before it is stored: with
+ * F = f0 + (f90 - f0) (1 - VoH)^5, f = (1 - Fd) diffuse / pi + F D V, where f0 and f90 are those of
+ * the mixture and Fd is the dielectric's own F. Sampled by visible normals (E. Heitz, "Sampling the
+ * GGX Distribution of Visible Normals", JCGT 7(4), 2018).
+ *
+ * Phong: diffuse / pi + f0 (n + 1) / (2 pi) cos^n(angle to the mirrored view) / cos(theta), which
+ * is thesis A.1.2 with the factor that keeps its energy whatever n is; its limit is the mirror.
+ *
+ * Lambert is either with f0 = f90 = 0.
+ */
+#ifndef LIB_BSDF_H
+#define LIB_BSDF_H
+
+#include "lib/math.h"
+#include "shared/oct.h"
+#include "shared/path.h"
+
+// Parameters at one hit.
+struct bsdf {
+    float3 normal;       // unit shading normal, viewer's side
+    float3 geometric;    // unit geometric normal, viewer's side
+    float3 view;         // unit direction to the viewer
+    float3 diffuse;      // diffuse colour
+    float3 f0;           // specular colour at normal incidence
+    float f90;           // at grazing incidence
+    float alpha;         // microfacet alpha, or Phong exponent
+    float dielectric_f0; // of the dielectric alone
+    float dielectric_f90;
+    bool mirror; // the specular lobe is a perfect mirror (Phong only)
+};
+
+// One sampled direction.
+struct bsdf_sample {
+    float3 dir;    // unit; all 0 if there is none
+    float3 weight; // f cos / density
+    float density; // of all lobes that light samples reach, 1/sr
+    bool specular; // the mirror lobe was taken
+};
+
+// Whether nothing but the Lambert term is left.
+static inline bool bsdf_is_lambert(const struct bsdf *b)
+{
+    return max3(b->f0) <= 0.0f && b->f90 <= 0.0f;
+}
+
+static inline float bsdf_fifth_power(const float x)
+{
+    const float x2 = x * x;
+    return x2 * x2 * x;
+}
+
+#if !BRDF_PHONG
+
+// GGX distribution of normals, appendix B.3.2.
+static inline float bsdf_ggx_d(const float noh, const float alpha)
+{
+    const float a2 = alpha * alpha;
+    const float d = noh * noh * (a2 - 1.0f) + 1.0f;
+    return a2 * INV_PI / (d * d);
+}
+
+// NoX + sqrt(a^2 + (1 - a^2) NoX^2): half of Smith's masking for one side is NoX over it.
+static inline float bsdf_smith(const float nox, const float alpha)
+{
+    const float a2 = alpha * alpha;
+    return nox + sqrt(a2 + (1.0f - a2) * nox * nox);
+}
+
+// What the diffuse base gets to see: the dielectric reflects the rest.
+static inline float bsdf_base_share(const struct bsdf *b, const float grazing)
+{
+    return 1.0f - (b->dielectric_f0 + (b->dielectric_f90 - b->dielectric_f0) * grazing);
+}
+
+#endif
+
+// How likely sampling takes the specular lobe.
+static inline float bsdf_specular_share(const struct bsdf *b)
+{
+#if BRDF_PHONG
+    const float specular = luminance(b->f0);
+    const float diffuse = luminance(b->diffuse);
+#else
+    const float nov = max2(dot(b->normal, b->view), 0.0f);
+    const float grazing = bsdf_fifth_power(1.0f - nov);
+    const float specular = luminance(b->f0 + ((float3)(b->f90) - b->f0) * grazing);
+    const float diffuse = luminance(b->diffuse) * bsdf_base_share(b, grazing);
+#endif
+    const float sum = specular + diffuse;
+    return sum > 0.0f ? specular / sum : 0.0f;
+}
+
+// f cos(theta) for light from `dir`, and the density with which sampling finds that direction.
+// Both are 0 below the geometric or the shading surface, and the mirror lobe has no part in either.
+static inline float3 bsdf_eval(float *density, const struct bsdf *b, const float3 dir)
+{
+    const float nol = dot(b->normal, dir);
+    *density = 0.0f;
+    if (nol <= 0.0f || dot(b->geometric, dir) <= 0.0f)
+        return (float3)(0.0f);
+    const float3 lambert = b->diffuse * (nol * INV_PI);
+    if (bsdf_is_lambert(b)) {
+        *density = nol * INV_PI;
+        return lambert;
+    }
+
+    const float share = bsdf_specular_share(b);
+    *density = (1.0f - share) * nol * INV_PI;
+#if BRDF_PHONG
+    if (b->mirror)
+        return lambert;
+    const float3 mirrored = 2.0f * dot(b->normal, b->view) * b->normal - b->view;
+    const float cos_lobe = dot(mirrored, dir);
+    if (cos_lobe <= 0.0f)
+        return lambert;
+    const float lobe = (b->alpha + 1.0f) * (0.5f * INV_PI) * powr(cos_lobe, b->alpha);
+    *density += share * lobe;
+    return lambert + b->f0 * lobe;
+#else
+    const float3 half_dir = normalize(dir + b->view);
+    const float nov = max2(dot(b->normal, b->view), 1e-6f);
+    const float noh = min2(max2(dot(b->normal, half_dir), 0.0f), 1.0f);
+    const float voh = min2(max2(dot(b->view, half_dir), 0.0f), 1.0f);
+    const float grazing = bsdf_fifth_power(1.0f - voh);
+    const float3 fresnel = b->f0 + ((float3)(b->f90) - b->f0) * grazing;
+    const float d = bsdf_ggx_d(noh, b->alpha);
+    const float smith_v = bsdf_smith(nov, b->alpha);
+
+    // Visible normals: density of the half vector D G1(v) VoH / NoV, Jacobian 1 / (4 VoH).
+    *density += share * d * 0.5f / smith_v;
+    return lambert * bsdf_base_share(b, grazing) +
+           fresnel * (d * nol / (smith_v * bsdf_smith(nol, b->alpha)));
+#endif
+}
+
+#if BRDF_PHONG
+
+// Draws from the specular lobe.
+static inline float3 bsdf_sample_specular(const struct bsdf *b, const float u0, const float u1)
+{
+    const float3 mirrored = 2.0f * dot(b->normal, b->view) * b->normal - b->view;
+    if (b->mirror)
+        return mirrored;
+    const float cos_lobe = powr(u0, 1.0f / (b->alpha + 1.0f));
+    const float sin_lobe = sqrt(max2(1.0f - cos_lobe * cos_lobe, 0.0f));
+    const float2 turn = cos_sin_turn(u1);
+    float3 tangent, bitangent;
+    frame_build(&tangent, &bitangent, mirrored);
+    return sin_lobe * (turn.x * tangent + turn.y * bitangent) + cos_lobe * mirrored;
+}
+
+#else
+
+// Draws from the specular lobe: a visible normal, and the view mirrored at it (Heitz 2018, listing
+// 1).
+static inline float3 bsdf_sample_specular(const struct bsdf *b, const float u0, const float u1)
+{
+    float3 tangent, bitangent;
+    frame_build(&tangent, &bitangent, b->normal);
+    const float3 view = (float3)(dot(b->view, tangent), dot(b->view, bitangent),
+                                 max2(dot(b->view, b->normal), 1e-6f));
+
+    // Stretch the view, so that the surface becomes a hemisphere.
+    const float3 v = normalize((float3)(b->alpha * view.x, b->alpha * view.y, view.z));
+
+    // Draw a point on the hemisphere's projection towards the view.
+    const float length2 = v.x * v.x + v.y * v.y;
+    const float3 t1 =
+        length2 > 0.0f ? (float3)(-v.y, v.x, 0.0f) * rsqrt(length2) : (float3)(1.0f, 0.0f, 0.0f);
+    const float3 t2 = cross(v, t1);
+    const float r = sqrt(u0);
+    const float2 turn = cos_sin_turn(u1);
+    const float p1 = r * turn.x;
+    const float s = 0.5f * (1.0f + v.z);
+    const float p2 = (1.0f - s) * sqrt(max2(1.0f - p1 * p1, 0.0f)) + s * r * turn.y;
+    const float3 on = p1 * t1 + p2 * t2 + sqrt(max2(1.0f - p1 * p1 - p2 * p2, 0.0f)) * v;
+
+    // Stretch it back.
+    const float3 h = normalize((float3)(b->alpha * on.x, b->alpha * on.y, max2(on.z, 1e-6f)));
+    const float3 half_dir = h.x * tangent + h.y * bitangent + h.z * b->normal;
+    return 2.0f * dot(b->view, half_dir) * half_dir - b->view;
+}
+
+#endif
+
+// Draws a direction to go on in.
+//
+//   u  three uniform numbers: lobe, direction
+static inline struct bsdf_sample bsdf_sample(const struct bsdf *b, const float3 u)
+{
+    struct bsdf_sample out;
+    out.dir = (float3)(0.0f);
+    out.weight = (float3)(0.0f);
+    out.density = 0.0f;
+    out.specular = false;
+
+    const bool lambert = bsdf_is_lambert(b);
+    const float share = lambert ? 0.0f : bsdf_specular_share(b);
+    const bool specular = u.x < share;
+    const float3 dir =
+        specular ? bsdf_sample_specular(b, u.y, u.z) : sample_cosine(b->normal, u.y, u.z);
+    if (dot(dir, b->geometric) <= 0.0f || dot(dir, b->normal) <= 0.0f)
+        return out;
+
+    // Cosine sampling of Lambert leaves nothing but the colour: the cosine rides out.
+    if (lambert) {
+        out.dir = dir;
+        out.weight = b->diffuse;
+        out.density = dot(dir, b->normal) * INV_PI;
+        return out;
+    }
+    if (specular && b->mirror) {
+        out.dir = normalize(dir);
+        out.weight = b->f0 / share;
+        out.specular = true;
+        return out;
+    }
+    const float3 unit = normalize(dir);
+    const float3 value = bsdf_eval(&out.density, b, unit);
+    if (out.density <= 0.0f)
+        return out;
+    out.dir = unit;
+    out.weight = value / out.density;
+    return out;
+}
+
+// Reads back what material wrote of a hit.
+static inline struct bsdf bsdf_load(__global const struct shade *shade)
+{
+    struct bsdf b;
+    b.normal = normalize(oct_unpack(shade->normal).xyz);
+    b.geometric = normalize(oct_unpack(as_uint(shade->org_normal.w)).xyz);
+    b.view = normalize(oct_unpack(shade->view).xyz);
+    b.diffuse = shade->diffuse_alpha.xyz;
+    b.alpha = shade->diffuse_alpha.w;
+    b.f0 = shade->f0_f90.xyz;
+    b.f90 = shade->f0_f90.w;
+    b.dielectric_f0 = shade->throughput_f.w;
+    b.dielectric_f90 = shade->dielectric_f90;
+    b.mirror = (shade->flags & SHADE_MIRROR) != 0;
+    return b;
+}
+
+// Writes a hit for the lighting stages.
+static inline void bsdf_store(__global struct shade *shade, const struct bsdf *b, const float3 org,
+                              const float3 throughput, const uint flags)
+{
+    shade->org_normal =
+        (float4)(org, as_float(oct_pack(b->geometric.x, b->geometric.y, b->geometric.z)));
+    shade->diffuse_alpha = (float4)(b->diffuse, b->alpha);
+    shade->f0_f90 = (float4)(b->f0, b->f90);
+    shade->throughput_f = (float4)(throughput, b->dielectric_f0);
+    shade->normal = oct_pack(b->normal.x, b->normal.y, b->normal.z);
+    shade->view = oct_pack(b->view.x, b->view.y, b->view.z);
+    shade->dielectric_f90 = b->dielectric_f90;
+    shade->flags = flags | (b->mirror ? SHADE_MIRROR : 0u);
+}
+
+#endif

@@ -1,0 +1,184 @@
+/**
+ * @file
+ * Lights: which one, where on it, and how likely that was (thesis sections 2.4 and 3.4).
+ */
+#ifndef LIB_LIGHT_H
+#define LIB_LIGHT_H
+
+#include "lib/surface.h"
+#include "shared/light.h"
+#include "shared/settings.h"
+
+// What one light sends to a point, by one sample of it.
+struct light_sample {
+    float3 dir;      // unit, from the point to the light
+    float distance;  // m
+    float3 radiance; // rgb of a surface; of a point light what stands for radiance / density
+    float density;   // of the direction, 1/sr, given this light; 0: no area, a ray cannot hit it
+};
+
+static inline bool light_node_holds(__global const struct light_node *node, const float3 p)
+{
+    const float3 lo = node->lo_left.xyz;
+    const float3 hi = node->hi_child.xyz;
+    return p.x >= lo.x && p.y >= lo.y && p.z >= lo.z && p.x <= hi.x && p.y <= hi.y && p.z <= hi.z;
+}
+
+// Descends from the root to one light without a stack; where both children hold the point, one is
+// drawn. One random number is enough: what is left of it after a choice is uniform again.
+//
+//   pmf  out: probability of this light
+// Returns the light's index, or EMITTER_NONE where no light reaches.
+static inline uint light_tree_draw(float *pmf, __global const struct light_node *nodes,
+                                   const float3 p, float u)
+{
+    *pmf = 1.0f;
+    uint node = 0;
+    if (!light_node_holds(&nodes[0], p))
+        return EMITTER_NONE;
+    for (;;) {
+        const uint child = as_uint(nodes[node].hi_child.w);
+        if (child & LIGHT_NODE_LEAF)
+            return child & ~LIGHT_NODE_LEAF;
+        const bool left = light_node_holds(&nodes[node + 1], p);
+        const bool right = light_node_holds(&nodes[child], p);
+        if (!left && !right)
+            return EMITTER_NONE;
+        bool take_left = left;
+        if (left && right) {
+            const float share = nodes[node].lo_left.w;
+            take_left = u < share;
+            u = take_left ? u / share : (u - share) / (1.0f - share);
+            u = min2(u, 0.99999994f);
+            *pmf *= take_left ? share : 1.0f - share;
+        }
+        node = take_left ? node + 1 : child;
+    }
+}
+
+// The probability with which light_tree_draw() at p comes to this light: walks up from its leaf.
+static inline float light_tree_pmf(__global const struct light_node *nodes,
+                                   __global const uint *parents, __global const uint *leaves,
+                                   const float3 p, const uint light)
+{
+    float pmf = 1.0f;
+    uint node = leaves[light];
+    if (!light_node_holds(&nodes[node], p))
+        return 0.0f;
+    while (node != 0) {
+        const uint parent = parents[node];
+        const bool is_left = node == parent + 1;
+        const uint sibling = is_left ? as_uint(nodes[parent].hi_child.w) : parent + 1;
+        const float share = nodes[parent].lo_left.w;
+        if (light_node_holds(&nodes[sibling], p))
+            pmf *= is_left ? share : 1.0f - share;
+        node = parent;
+    }
+    return pmf;
+}
+
+// The glTF window that ends a light at its range (KHR_lights_punctual, "range").
+static inline float light_window(const float distance, const float range)
+{
+    if (range == LIGHT_NO_RANGE)
+        return 1.0f;
+    const float x = distance / range;
+    return max2(min2(1.0f - x * x * x * x, 1.0f), 0.0f);
+}
+
+// Emission of a triangle light at (s, t) on it: 0 where its alpha mask cuts it out.
+static inline float3 light_triangle_emission(const struct surface *surface, const uint triangle,
+                                             const float3 factor, const float s, const float t)
+{
+    const struct triangle tri = surface->triangles[triangle];
+    __global const struct texture_slot *slot =
+        &surface->materials[tri.material].textures[TEXTURE_EMISSIVE];
+    if (!surface_is_solid(surface, triangle, s, t))
+        return (float3)(0.0f);
+    if (!(slot->flags & TEXTURE_PRESENT))
+        return factor;
+    const float4 uv = surface_blend(surface->vertices[tri.v0].uv, surface->vertices[tri.v1].uv,
+                                    surface->vertices[tri.v2].uv, s, t);
+    return factor * texture_fetch_pool(surface->texels, slot, uv).xyz;
+}
+
+// Samples one light from p. Radiance is 0 where nothing comes.
+//
+//   u0, u1  uniform numbers: the place on the light
+static inline struct light_sample light_sample(__global const struct light *lights,
+                                               const uint index, const struct surface *surface,
+                                               const float3 p, const float u0, const float u1)
+{
+    const struct light light = lights[index];
+    const uint kind = as_uint(light.color_kind.w);
+    struct light_sample out;
+    out.radiance = (float3)(0.0f);
+    out.density = 0.0f;
+
+    // Find the point on the light.
+    float s = u0;
+    float t = u1;
+    const uint type = kind & LIGHT_TYPE_MASK;
+    float3 target = light.org_range.xyz;
+    if (type == LIGHT_TRIANGLE) {
+        // Fold the square onto the triangle.
+        if (s + t > 1.0f) {
+            s = 1.0f - s;
+            t = 1.0f - t;
+        }
+    }
+    if (type == LIGHT_TRIANGLE || type == LIGHT_RECTANGLE)
+        target += s * light.edge_u.xyz + t * light.edge_v.xyz;
+
+    const float3 way = target - p;
+    const float distance2 = dot(way, way);
+    out.distance = sqrt(distance2);
+    out.dir = way / out.distance;
+    if (!(distance2 > 0.0f))
+        return out;
+
+    switch (type) {
+    case LIGHT_POINT:
+        out.radiance =
+            light.color_kind.xyz * (light_window(out.distance, light.org_range.w) / distance2);
+        break;
+    case LIGHT_SPOT: {
+        const float cone =
+            clamp(-dot(out.dir, light.edge_u.xyz) * light.edge_u.w + light.edge_v.w, 0.0f, 1.0f);
+        out.radiance = light.color_kind.xyz *
+                       (cone * cone * light_window(out.distance, light.org_range.w) / distance2);
+        break;
+    }
+    default: {
+        const float3 normal = normalize(cross(light.edge_u.xyz, light.edge_v.xyz));
+        float cosine = -dot(normal, out.dir);
+        if (kind & LIGHT_TWO_SIDED)
+            cosine = fabs(cosine);
+        if (cosine <= 0.0f)
+            return out;
+        out.density = distance2 / (cosine * light.edge_u.w);
+        out.radiance = type == LIGHT_TRIANGLE
+                           ? light_triangle_emission(surface, as_uint(light.edge_v.w),
+                                                     light.color_kind.xyz, s, t)
+                           : light.color_kind.xyz;
+        break;
+    }
+    }
+    return out;
+}
+
+// How often, on average, light sampling of one hit at p takes this light.
+static inline float light_expected_count(__constant struct settings *settings,
+                                         __global const struct light_node *nodes,
+                                         __global const uint *parents, __global const uint *leaves,
+                                         const float3 p, const uint light)
+{
+    if (settings->light_sampler == LIGHT_SAMPLER_ALL)
+        return 1.0f;
+    const float rays = (float)settings->shadow_rays;
+    if (settings->light_sampler == LIGHT_SAMPLER_UNIFORM)
+        return rays / (float)settings->light_count;
+    return rays * light_tree_pmf(nodes, parents, leaves, p, light);
+}
+
+#endif

@@ -1,0 +1,251 @@
+// Stage 4, material: what was hit. Adds emission, fetches colours, writes the hit for the lighting
+// stages, and picks the next direction.
+//
+//   in    hits, paths, rays; with TEXTURES_BOUND: order and ranges of sort, one launch a material
+//   out   shades, paths, rays
+//   next  direct
+//
+// Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
+// section 3.3), else all hits of the queue at once, with texels from the pool; BRDF_PHONG.
+
+#if TEXTURES_BOUND
+#define TEXTURE_IMAGES 1
+#endif
+
+#include "lib/bsdf.h"
+#include "lib/light.h"
+#include "shared/camera.h"
+#include "shared/ray.h"
+#include "shared/rng.h"
+#include "shared/zorder.h"
+
+#ifndef WG_MATERIAL
+#define WG_MATERIAL 64 // work items in a group
+#endif
+
+#define ROULETTE_DEPTH 2u // bounces before Russian roulette may end a path (thesis section 3.5)
+#define ALPHA_MIN      1e-3f // least microfacet alpha; below it D leaves float's range at grazing views
+
+// What the textures of a material say at one point.
+struct texture_values {
+    float4 base, surface, emissive, specular, specular_color;
+};
+
+// Reads the two workflows into BSDF parameters.
+static inline void material_bsdf(struct bsdf *b, __global const struct material *material,
+                                 const struct texture_values *values, const float4 color)
+{
+    const float3 base = material->base.xyz * values->base.xyz * color.xyz;
+    const float3 tint = material->specular.xyz;
+    float glossiness;
+    if (material->flags & MATERIAL_SPECULAR_GLOSSINESS) {
+        const float3 specular = tint * values->surface.xyz;
+        glossiness = material->glossiness * values->surface.w;
+        b->diffuse = base * (1.0f - max3(specular));
+        b->f0 = specular;
+        b->f90 = max3(specular) > 0.0f ? 1.0f : 0.0f;
+        b->dielectric_f0 = max3(specular);
+        b->dielectric_f90 = b->f90;
+#if BRDF_PHONG
+        b->diffuse = base;
+#endif
+    } else {
+        const float metallic = material->metallic * values->surface.z;
+        const float strength = material->specular.w * values->specular.w;
+        const float3 dielectric =
+            min(0.04f * tint * values->specular_color.xyz, (float3)(1.0f)) * strength;
+        glossiness = 1.0f - material->roughness * values->surface.y;
+        b->diffuse = base * (1.0f - metallic);
+        b->f0 = mix(dielectric, base, metallic);
+        b->f90 = mix(strength, 1.0f, metallic);
+        b->dielectric_f0 = max3(dielectric);
+        b->dielectric_f90 = strength;
+    }
+
+    const float roughness = 1.0f - glossiness;
+#if BRDF_PHONG
+    // The exponent whose lobe is as wide as GGX's of the same roughness; a mirror at its end.
+    const float alpha2 = max2(roughness * roughness * roughness * roughness, 1e-12f);
+    b->mirror = glossiness >= 1.0f;
+    b->alpha = max2(2.0f / alpha2 - 2.0f, 0.0f);
+    b->f90 = 0.0f;
+#else
+    b->mirror = false;
+    b->alpha = max2(roughness * roughness, ALPHA_MIN);
+#endif
+}
+
+// Makes the BSDF of the first hit that measures irradiance: f = 1, so that what leaves is E.
+static inline void material_measure_irradiance(struct bsdf *b)
+{
+    b->diffuse = (float3)(PI);
+    b->f0 = (float3)(0.0f);
+    b->f90 = 0.0f;
+    b->dielectric_f0 = 0.0f;
+    b->dielectric_f90 = 0.0f;
+    b->alpha = 1.0f;
+    b->mirror = false;
+}
+
+__kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
+    __constant struct settings *settings, __constant struct camera *camera,
+    const struct batch batch, const uint bounce, __global const struct counters *counters,
+    __global const uint *restrict order, __global const struct hit *restrict hits,
+    __global const struct vertex *restrict vertices, __global const uint2 *restrict colors,
+    __global const struct triangle *restrict triangles,
+    __global const struct material *restrict materials,
+    __global const uint *restrict triangle_emitters, __global const struct light *restrict lights,
+    __global const struct light_node *restrict light_nodes,
+    __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
+    __global struct ray *restrict rays, __global struct path *restrict paths,
+    __global struct shade *restrict shades,
+#if TEXTURES_BOUND
+    const uint material_index, __global const uint *restrict ranges,
+    __read_only image2d_t base_image, __read_only image2d_t surface_image,
+    __read_only image2d_t emissive_image, __read_only image2d_t specular_image,
+    __read_only image2d_t specular_color_image
+#else
+    __global const uint *restrict texels
+#endif
+)
+{
+#if TEXTURES_BOUND
+    const uint first = ranges[material_index];
+    const uint end = ranges[material_index + 1];
+#else
+    const uint first = 0;
+    const uint end = counters[bounce].active;
+#endif
+    for (uint i = first + get_global_id(0); i < end; i += get_global_size(0)) {
+        const uint slot = order[i];
+        const struct hit hit = hits[slot];
+        if (hit.triangle == HIT_NONE)
+            continue;
+        const struct triangle tri = triangles[hit.triangle];
+        __global const struct material *material = &materials[tri.material];
+        const uint flags = material->flags;
+        const float3 org = rays[slot].org_tmin.xyz;
+        const float3 dir = rays[slot].dir_tmax.xyz;
+        float3 throughput = paths[slot].throughput_pdf.xyz;
+        const float density = paths[slot].throughput_pdf.w;
+        float3 radiance = paths[slot].radiance_flags.xyz;
+        const uint path_flags = as_uint(paths[slot].radiance_flags.w);
+        const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
+
+        // Find the point, its normals and its texture coordinates.
+        const float4 row0 = vertices[tri.v0].pos_normal;
+        const float4 row1 = vertices[tri.v1].pos_normal;
+        const float4 row2 = vertices[tri.v2].pos_normal;
+        const float3 edge1 = row1.xyz - row0.xyz;
+        const float3 edge2 = row2.xyz - row0.xyz;
+        const float3 p = row0.xyz + hit.u * edge1 + hit.v * edge2;
+        float3 geometric = normalize(cross(edge1, edge2));
+        const bool front = dot(geometric, dir) < 0.0f;
+        const float4 uv = surface_blend(vertices[tri.v0].uv, vertices[tri.v1].uv,
+                                        vertices[tri.v2].uv, hit.u, hit.v);
+
+        // Fetch the colours.
+        struct texture_values values;
+#if TEXTURES_BOUND
+        values.base = texture_fetch(base_image, &material->textures[TEXTURE_BASE], uv);
+        values.surface = texture_fetch(surface_image, &material->textures[TEXTURE_SURFACE], uv);
+        values.emissive = texture_fetch(emissive_image, &material->textures[TEXTURE_EMISSIVE], uv);
+        values.specular = texture_fetch(specular_image, &material->textures[TEXTURE_SPECULAR], uv);
+        values.specular_color =
+            texture_fetch(specular_color_image, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+#else
+        values.base = texture_fetch(texels, &material->textures[TEXTURE_BASE], uv);
+        values.surface = texture_fetch(texels, &material->textures[TEXTURE_SURFACE], uv);
+        values.emissive = texture_fetch(texels, &material->textures[TEXTURE_EMISSIVE], uv);
+        values.specular = texture_fetch(texels, &material->textures[TEXTURE_SPECULAR], uv);
+        values.specular_color =
+            texture_fetch(texels, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+#endif
+        float4 color = (float4)(1.0f);
+        if (flags & MATERIAL_VERTEX_COLOR) {
+            struct surface surface;
+            surface.colors = colors;
+            color = surface_color(&surface, tri, hit.u, hit.v);
+        }
+
+        // Add what the surface emits towards the path.
+        const float3 emission = material->emission.xyz * values.emissive.xyz;
+        if (!measures && (front || (flags & MATERIAL_EMITS_BACK)) && max3(emission) > 0.0f) {
+            float weight = 1.0f;
+            const uint emitter = triangle_emitters[hit.triangle];
+            if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
+                const float area = lights[emitter].edge_u.w;
+                const float cosine = fabs(dot(geometric, dir));
+                const float count = light_expected_count(settings, light_nodes, light_parents,
+                                                         light_leaves, org, emitter);
+                weight = mis_weight(density, count * hit.t * hit.t / (area * cosine));
+            }
+            radiance += throughput * emission * weight;
+        }
+
+        // An unlit surface shows its colour and ends the path.
+        uint next_flags = 0;
+        uint shade_flags = 0;
+        const bool unlit = (flags & MATERIAL_UNLIT) && !measures;
+        if (unlit && !(path_flags & PATH_COLLECT))
+            radiance += throughput * material->base.xyz * values.base.xyz * color.xyz;
+
+        if (!unlit && !(path_flags & PATH_COLLECT)) {
+            // Turn the normals to the viewer; a shading normal that looks away is of no use.
+            struct bsdf b;
+            b.view = -dir;
+            const float3 blended =
+                (1.0f - hit.u - hit.v) * normalize(oct_unpack(as_uint(row0.w)).xyz) +
+                hit.u * normalize(oct_unpack(as_uint(row1.w)).xyz) +
+                hit.v * normalize(oct_unpack(as_uint(row2.w)).xyz);
+            float3 normal = dot(blended, blended) > 0.0f ? normalize(blended) : geometric;
+            normal = dot(normal, geometric) < 0.0f ? -normal : normal;
+            geometric = front ? geometric : -geometric;
+            normal = front ? normal : -normal;
+            b.geometric = geometric;
+            b.normal = dot(normal, b.view) > 1e-4f ? normal : geometric;
+
+            material_bsdf(&b, material, &values, color);
+            if (measures)
+                material_measure_irradiance(&b);
+            const float3 start = surface_offset(p, geometric);
+
+            // Pick the next direction; past the last shaded hit only to collect emission that
+            // light samples cannot find as well.
+            const bool last = bounce + 1 == settings->depth;
+            const bool bounces = !last || (settings->emitter_count != 0 && !bsdf_is_lambert(&b));
+            shade_flags = SHADE_ACTIVE | (bounces ? 0u : SHADE_NO_BOUNCE);
+            bsdf_store(&shades[slot], &b, start, throughput, shade_flags);
+            if (bounces) {
+                const uint place = batch.first_pixel + slot;
+                const uint sample = batch.first_sample + place / batch.pixel_count;
+                const uint pixel =
+                    zorder_pixel(place % batch.pixel_count, camera->width, camera->height);
+                const uint4 bits =
+                    rng_bits(settings->seed, pixel, sample, rng_dimension(bounce, RNG_USE_BSDF, 0));
+                const struct bsdf_sample sampled =
+                    bsdf_sample(&b, (float3)(rng_unit(bits.x), rng_unit(bits.y), rng_unit(bits.z)));
+                throughput *= sampled.weight;
+
+                // Russian roulette by what is left of the path's weight.
+                float survival = 1.0f;
+                if (bounce >= ROULETTE_DEPTH) {
+                    survival = max3(throughput);
+                    if (settings->quantity == QUANTITY_IRRADIANCE)
+                        survival *= INV_PI;
+                    survival = min2(survival, 1.0f);
+                }
+                if (max3(throughput) > 0.0f && rng_unit(bits.w) < survival) {
+                    next_flags = PATH_ALIVE | (sampled.specular ? PATH_SPECULAR : 0u) |
+                                 (last ? PATH_COLLECT : 0u);
+                    paths[slot].throughput_pdf = (float4)(throughput / survival, sampled.density);
+                    rays[slot].org_tmin = (float4)(start, 0.0f);
+                    rays[slot].dir_tmax = (float4)(sampled.dir, FLT_MAX);
+                }
+            }
+        } else {
+            shades[slot].flags = 0;
+        }
+        paths[slot].radiance_flags = (float4)(radiance, as_float(next_flags));
+    }
+}
