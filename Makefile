@@ -33,7 +33,7 @@ CLI_OBJ  := $(call object,$(filter-out src/main.c,$(CLI_SRC)))
 TESTS    := $(TEST_SRC:%.c=$(B)/%)
 STATIC   := $(B)/cli.a $(B)/liblightkiln.a
 CL       := $(wildcard cl/*.cl)
-HEADERS  := $(wildcard include/*/*.h src/*.h src/*/*.h tests/*.h tests/*/*.h)
+HEADERS  := $(wildcard include/*/*.h src/*.h src/*/*.h src/*/*.hpp tests/*.h tests/*/*.h)
 FORMATTED := $(wildcard src/*.c src/*/*.c src/*/*.cpp tests/*.c tests/*/*.c cl/*.cl cl/*/*.h) $(HEADERS)
 
 .PHONY: all demo test test-device run-tests lint asan format install portable clean help setup FORCE
@@ -119,7 +119,7 @@ $(call object,$(TEST_SRC) $(HELP_SRC)): ALL_CFLAGS += -Itests
 # ---- keep
 
 lint: setup $(B)/gen/version.h ## Checks kernels, headers, include rules and format
-	$(Q)CC='$(CC)' CFLAGS='$(ALL_CFLAGS)' scripts/lint $(CL) $(wildcard cl/lib/*.h) $(HEADERS)
+	$(Q)C='$(CC) $(ALL_CFLAGS)' CPP='$(CXX) $(ALL_CXXFLAGS)' scripts/lint $(CL) $(wildcard cl/lib/*.h) $(HEADERS)
 	$(call say,LAYERS,src)
 	$(Q)scripts/check_layers
 	$(call say,FORMAT,)
