@@ -1,0 +1,134 @@
+#include "prep/bvh_pack.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "prep/array.h"
+#include "prep/vec3.h"
+#include "prep/woop.h"
+
+// Boxes grow by this part of their largest coordinate, 2 to 4 of its ulps: what a slab test and
+// Woop's test may lose by rounding near a box's face.
+#define BOX_MARGIN 0x1p-22
+
+// Corner of the boxes of empty leaves, m: finite, since kernels may be built with finite maths
+// only.
+#define BOX_NOWHERE 1e30f
+
+#define CHILD_EMPTY (~0) // a leaf of no references
+
+// A child as its parent holds it.
+struct child {
+    float lo[3], hi[3]; // rounded outwards
+    int32_t word;
+};
+
+static const struct child empty_child = {{BOX_NOWHERE, BOX_NOWHERE, BOX_NOWHERE},
+                                         {-BOX_NOWHERE, -BOX_NOWHERE, -BOX_NOWHERE},
+                                         CHILD_EMPTY};
+
+// Makes a box a little larger.
+static void grow(struct child *out, const struct bvh_build_node *node)
+{
+    double largest = 0.0;
+    for (int k = 0; k < 3; k++)
+        largest = fmax(largest, fmax(fabs(node->lo[k]), fabs(node->hi[k])));
+    const double margin = largest * BOX_MARGIN + FLT_MIN;
+    for (int k = 0; k < 3; k++) {
+        out->lo[k] = float_below(node->lo[k] - margin);
+        out->hi[k] = float_above(node->hi[k] + margin);
+    }
+}
+
+static void set_node(struct bvh_node *out, const struct child *c0, const struct child *c1)
+{
+    out->row0 = (float4){c0->lo[0], c0->hi[0], c0->lo[1], c0->hi[1]};
+    out->row1 = (float4){c1->lo[0], c1->hi[0], c1->lo[1], c1->hi[1]};
+    out->row2 = (float4){c0->lo[2], c0->hi[2], c1->lo[2], c1->hi[2]};
+    out->row3 = (float4){0.0f, 0.0f, 0.0f, 0.0f};
+    memcpy(&out->row3.x, &c0->word, sizeof(c0->word));
+    memcpy(&out->row3.y, &c1->word, sizeof(c1->word));
+}
+
+static struct child pack_subtree(struct packed_bvh *packed, const struct bvh *bvh, uint32_t index);
+
+// Packs an inner node and what is below it, depth first. Returns its place.
+static int32_t pack_inner(struct packed_bvh *packed, const struct bvh *bvh, uint32_t left)
+{
+    const uint32_t place = packed->node_count++;
+    const struct child c0 = pack_subtree(packed, bvh, left);
+    const struct child c1 = pack_subtree(packed, bvh, left + 1);
+    set_node(&packed->nodes[place], &c0, &c1);
+    return (int32_t)place;
+}
+
+static struct child pack_subtree(struct packed_bvh *packed, const struct bvh *bvh, uint32_t index)
+{
+    const struct bvh_build_node *node = &bvh->nodes[index];
+    struct child child;
+    grow(&child, node);
+    child.word = node->count > 0 ? ~(int32_t)(node->left << BVH_LEAF_BITS | node->count)
+                                 : pack_inner(packed, bvh, node->left);
+    return child;
+}
+
+// Fills the reference words and their Woop rows.
+static void pack_refs(struct packed_bvh *packed, const struct bvh *bvh, const struct tri_ref *refs,
+                      const struct geometry *geometry, const struct scene_material *materials)
+{
+#pragma omp parallel for schedule(static)
+    for (uint32_t i = 0; i < bvh->ref_count; i++) {
+        const uint32_t index = refs[bvh->order[i]].triangle;
+        const struct triangle *triangle = &geometry->triangles[index];
+        const uint corner[3] = {triangle->v0, triangle->v1, triangle->v2};
+        float p[3][3];
+        for (int k = 0; k < 3; k++)
+            memcpy(p[k], &geometry->vertices[corner[k]].pos_normal, sizeof(p[k]));
+        woop_build(&packed->woop[i], p[0], p[1], p[2]);
+        packed->refs[i] = index | (materials[triangle->material].masked ? BVH_REF_MASKED : 0u);
+    }
+}
+
+enum status bvh_pack(struct packed_bvh *out, const struct bvh *bvh, const struct tri_ref *refs,
+                     const struct geometry *geometry, const struct scene_material *materials)
+{
+    if (bvh->depth > BVH_STACK_SIZE)
+        return status_fail(STATUS_LIMIT, "the BVH is %u nodes deep, more than %u", bvh->depth,
+                           BVH_STACK_SIZE);
+    if (bvh->ref_count > 1u << (31u - BVH_LEAF_BITS))
+        return status_fail(STATUS_LIMIT, "the BVH has %u references, more than %u", bvh->ref_count,
+                           1u << (31u - BVH_LEAF_BITS));
+
+    // A tree of n nodes has (n - 1) / 2 inner ones; a root is there in any case.
+    const uint32_t inner_count = bvh->node_count > 1 ? (bvh->node_count - 1) / 2 : 1;
+    struct packed_bvh packed = {
+        .nodes = array_alloc(inner_count, sizeof(*packed.nodes)),
+        .woop = array_alloc(bvh->ref_count, sizeof(*packed.woop)),
+        .refs = array_alloc(bvh->ref_count, sizeof(*packed.refs)),
+        .ref_count = bvh->ref_count,
+    };
+    if (packed.nodes == NULL || packed.woop == NULL || packed.refs == NULL) {
+        packed_bvh_free(&packed);
+        return status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes and %u references",
+                           inner_count, bvh->ref_count);
+    }
+
+    if (bvh->node_count > 1) {
+        pack_inner(&packed, bvh, bvh->nodes[0].left);
+    } else {
+        const struct child leaf =
+            bvh->node_count == 1 ? pack_subtree(&packed, bvh, 0) : empty_child;
+        set_node(&packed.nodes[packed.node_count++], &leaf, &empty_child);
+    }
+    pack_refs(&packed, bvh, refs, geometry, materials);
+    *out = packed;
+    return STATUS_OK;
+}
+
+void packed_bvh_free(struct packed_bvh *packed)
+{
+    free(packed->refs);
+    free(packed->woop);
+    free(packed->nodes);
+    *packed = (struct packed_bvh){0};
+}
