@@ -37,6 +37,7 @@ struct lk_image {
     uint32_t width, height;
     bool rendered;              // info is valid
     struct lk_render_info info; // its strings are owned
+    double write_s;             // spent by lk_image_write() so far
 };
 
 #endif

@@ -1,0 +1,12 @@
+#include "core/choices.h"
+
+#include <stddef.h>
+
+const char *const choices_quantity[] = {"radiance", "irradiance", "direct", NULL};
+const char *const choices_brdf[] = {"gltf", "phong", NULL};
+const char *const choices_light_sampler[] = {"tree", "uniform", "all", NULL};
+const char *const choices_trace[] = {"auto", "simple", "persistent", NULL};
+const char *const choices_textures[] = {"auto", "bound", "pool", NULL};
+const char *const choices_nodes[] = {"buffer", "texture", NULL};
+const char *const choices_tonemap[] = {"auto", "none", "reinhard", "aces", NULL};
+const char *const choices_log_level[] = {"error", "warning", "info", "debug", NULL};

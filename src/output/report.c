@@ -1,0 +1,156 @@
+#include "output/report.h"
+
+#include "core/choices.h"
+
+static void write_scene(struct json *json, const struct lk_scene_info *scene)
+{
+    json_object(json, "scene");
+    json_string(json, "file", scene->file);
+    json_uint(json, "triangles", scene->triangles);
+    json_uint(json, "triangles_split", scene->triangles_split);
+    json_uint(json, "instances", scene->instances);
+    json_uint(json, "materials", scene->materials);
+    json_uint(json, "textures", scene->textures);
+    json_uint(json, "cameras", scene->cameras);
+    json_object(json, "lights");
+    json_uint(json, "point", scene->lights.point);
+    json_uint(json, "spot", scene->lights.spot);
+    json_uint(json, "rect", scene->lights.rect);
+    json_uint(json, "directional", scene->lights.directional);
+    json_uint(json, "emissive_triangles", scene->lights.emissive_triangles);
+    json_object_end(json);
+    json_object_end(json);
+}
+
+static void write_picture_settings(struct json *json, const struct lk_settings *settings)
+{
+    json_uint(json, "width", settings->width);
+    json_uint(json, "height", settings->height);
+    json_string(json, "camera", settings->camera);
+    json_uint(json, "spp", settings->spp);
+    json_uint(json, "depth", settings->depth);
+    json_uint(json, "shadow_rays", settings->shadow_rays);
+    json_string(json, "light_sampler", choices_light_sampler[settings->light_sampler]);
+    json_string(json, "quantity", choices_quantity[settings->quantity]);
+    json_string(json, "brdf", choices_brdf[settings->brdf]);
+    json_string(json, "trace", choices_trace[settings->trace]);
+    json_string(json, "textures", choices_textures[settings->textures]);
+    json_string(json, "nodes", choices_nodes[settings->nodes]);
+    json_float(json, "split_threshold", settings->split_threshold);
+    json_uint(json, "leaf_size", settings->leaf_size);
+    json_uint(json, "seed", settings->seed);
+}
+
+void report_picture_settings(struct json *json, const char *key, const struct lk_settings *settings)
+{
+    json_object(json, key);
+    write_picture_settings(json, settings);
+    json_object_end(json);
+}
+
+static void write_settings(struct json *json, const struct lk_settings *settings)
+{
+    json_object(json, "settings");
+    write_picture_settings(json, settings);
+    json_double(json, "time", settings->time_s);
+    json_string(json, "device", settings->device);
+    json_uint(json, "queue", settings->queue);
+    json_double(json, "memory_limit", (double)settings->memory_limit * 1e-6); // MB, as the option
+    json_bool(json, "profile", settings->profile);
+    json_bool(json, "no_cache", settings->no_cache);
+    json_object_end(json);
+}
+
+static void write_device(struct json *json, const struct lk_device_info *device)
+{
+    json_array(json, "device");
+    json_object(json, NULL);
+    json_string(json, "platform", device->platform);
+    json_string(json, "name", device->name);
+    json_string(json, "driver", device->driver);
+    json_string(json, "type", device->type);
+    json_uint(json, "compute_units", device->compute_units);
+    json_object_end(json);
+    json_array_end(json);
+}
+
+static void write_memory(struct json *json, const struct lk_memory *memory)
+{
+    json_object(json, "memory_bytes");
+    json_uint(json, "bvh", memory->bvh);
+    json_uint(json, "geometry", memory->geometry);
+    json_uint(json, "materials", memory->materials);
+    json_uint(json, "lights", memory->lights);
+    json_uint(json, "rays", memory->rays);
+    json_uint(json, "film", memory->film);
+    json_uint(json, "total_device", memory->total_device);
+    json_uint(json, "peak_host", memory->peak_host);
+    json_object_end(json);
+}
+
+static void write_times(struct json *json, const struct lk_render_info *info, double write_s)
+{
+    json_object(json, "time_s");
+    json_double(json, "import", info->time_s.import);
+    json_double(json, "prepare", info->time_s.prepare);
+    json_double(json, "upload", info->time_s.upload);
+    json_double(json, "kernel_build", info->time_s.kernel_build);
+    json_double(json, "render", info->time_s.render);
+    json_double(json, "write", write_s);
+    json_double(json, "total", info->time_s.total + write_s);
+    json_object_end(json);
+}
+
+static void write_kernels(struct json *json, const struct lk_render_info *info)
+{
+    double total_s = 0.0;
+    for (uint32_t i = 0; i < info->kernel_count; i++)
+        total_s += info->kernels[i].time_s;
+
+    json_array(json, "kernels");
+    for (uint32_t i = 0; i < info->kernel_count; i++) {
+        const struct lk_kernel_time *kernel = &info->kernels[i];
+        json_object(json, NULL);
+        json_string(json, "name", kernel->name);
+        json_uint(json, "calls", kernel->calls);
+        json_double(json, "time_s", kernel->time_s);
+        json_double(json, "share", total_s > 0.0 ? kernel->time_s / total_s : 0.0);
+        json_object_end(json);
+    }
+    json_array_end(json);
+}
+
+static void write_rays(struct json *json, const struct lk_render_info *info)
+{
+    const uint64_t total = info->rays_camera + info->rays_indirect + info->rays_shadow;
+    const double seconds = info->time_s.render;
+    json_object(json, "rays");
+    json_uint(json, "camera", info->rays_camera);
+    json_uint(json, "indirect", info->rays_indirect);
+    json_uint(json, "shadow", info->rays_shadow);
+    json_uint(json, "total", total);
+    json_object_end(json);
+    json_uint(json, "paths", info->paths);
+    json_double(json, "spp", info->spp);
+    json_double(json, "rays_per_s", seconds > 0.0 ? (double)total / seconds : 0.0);
+    json_double(json, "paths_per_s", seconds > 0.0 ? (double)info->paths / seconds : 0.0);
+}
+
+enum status report_write(struct json *json, const struct lk_render_info *info, const char *version,
+                         double write_s)
+{
+    json_object(json, NULL);
+    json_string(json, "version", version);
+    write_scene(json, &info->scene);
+    write_settings(json, &info->settings);
+    write_device(json, &info->device);
+    write_memory(json, &info->scene.memory);
+    write_times(json, info, write_s);
+    if (info->kernel_count > 0)
+        write_kernels(json, info);
+    write_rays(json, info);
+    json_uint(json, "kernels_from_source", info->kernels_from_source);
+    json_null(json, "noise"); // not estimated
+    json_object_end(json);
+    return json_finish(json);
+}
