@@ -1,0 +1,189 @@
+#include "device/upload.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct upload_sizes upload_sizes(const struct upload_source *source)
+{
+    const struct geometry *geometry = source->geometry;
+    const uint64_t vertices = geometry->vertex_count;
+    const uint64_t lights = source->emitters->light_count;
+    struct upload_sizes sizes = {
+        .bvh = source->bvh->node_count * sizeof(struct bvh_node) +
+               source->bvh->ref_count * (sizeof(struct woop) + sizeof(uint32_t)),
+        .geometry = vertices * sizeof(struct vertex) +
+                    (geometry->colors != NULL ? vertices * sizeof(*geometry->colors) : 0) +
+                    geometry->triangle_count * sizeof(struct triangle),
+        .materials = source->materials->material_count * sizeof(struct material) +
+                     source->materials->texel_count * sizeof(uint32_t),
+        .lights = lights * (sizeof(struct light) + sizeof(uint32_t)) +
+                  source->light_tree->node_count * (sizeof(struct light_node) + sizeof(uint32_t)) +
+                  source->emitters->directional_count * sizeof(struct directional_light),
+    };
+    if (source->emitters->triangle_emitters != NULL)
+        sizes.lights += geometry->triangle_count * sizeof(uint32_t);
+    return sizes;
+}
+
+static enum status upload_bvh(struct device_scene *out, struct gpu *gpu,
+                              const struct packed_bvh *bvh, bool nodes_image)
+{
+    struct buffer *rows = nodes_image ? &out->node_rows : &out->nodes;
+    enum status status =
+        buffer_create(rows, gpu, bvh->node_count * sizeof(*bvh->nodes), bvh->nodes, "BVH nodes");
+    if (status == STATUS_OK && nodes_image)
+        status = buffer_view_rows(&out->nodes, gpu, rows, "BVH nodes");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->woop, gpu, bvh->ref_count * sizeof(*bvh->woop), bvh->woop,
+                               "triangle matrices");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->refs, gpu, bvh->ref_count * sizeof(*bvh->refs), bvh->refs,
+                               "triangle references");
+    return status;
+}
+
+static enum status upload_geometry(struct device_scene *out, struct gpu *gpu,
+                                   const struct geometry *geometry)
+{
+    enum status status =
+        buffer_create(&out->vertices, gpu, geometry->vertex_count * sizeof(*geometry->vertices),
+                      geometry->vertices, "vertices");
+    if (status == STATUS_OK)
+        status = buffer_create(
+            &out->colors, gpu,
+            geometry->colors != NULL ? geometry->vertex_count * sizeof(*geometry->colors) : 0,
+            geometry->colors, "vertex colours");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->triangles, gpu,
+                               geometry->triangle_count * sizeof(*geometry->triangles),
+                               geometry->triangles, "triangles");
+    return status;
+}
+
+static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
+                                 const struct upload_source *source)
+{
+    const struct emitters *emitters = source->emitters;
+    const struct light_tree *tree = source->light_tree;
+    const size_t words = sizeof(uint32_t);
+    enum status status = buffer_create(
+        &out->triangle_emitters, gpu,
+        emitters->triangle_emitters != NULL ? source->geometry->triangle_count * words : 0,
+        emitters->triangle_emitters, "emitters of triangles");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->lights, gpu, emitters->light_count * sizeof(*emitters->lights),
+                               emitters->lights, "lights");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->light_nodes, gpu, tree->node_count * sizeof(*tree->nodes),
+                               tree->nodes, "light tree");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->light_parents, gpu, tree->node_count * words, tree->parents,
+                               "light tree");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->light_leaves, gpu, tree->light_count * words, tree->leaves,
+                               "light tree");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->directional, gpu,
+                               emitters->directional_count * sizeof(*emitters->directional),
+                               emitters->directional, "directional lights");
+    out->light_count = emitters->light_count;
+    out->directional_count = emitters->directional_count;
+    out->emitter_count = emitters->rectangle_count + emitters->triangle_count;
+    return status;
+}
+
+// Makes an image of every texture, once, and notes which ones a material binds.
+static enum status upload_images(struct device_scene *out, struct gpu *gpu,
+                                 const struct material_set *set)
+{
+    const size_t slot_count = (size_t)set->material_count * TEXTURE_USE_COUNT;
+    uint32_t *firsts = calloc(slot_count + 1, sizeof(*firsts)); // texel_first of each image
+    out->images = calloc(slot_count + 1, sizeof(*out->images));
+    out->material_images = calloc(slot_count + 1, sizeof(*out->material_images));
+    if (firsts == NULL || out->images == NULL || out->material_images == NULL) {
+        free(firsts);
+        return status_fail(STATUS_NO_MEMORY, "no memory for %zu texture slots", slot_count);
+    }
+
+    static const uint32_t white = 0xffffffffu;
+    enum status status = buffer_create_image(&out->images[0], gpu, 1, 1, &white, "white texture");
+    out->image_count = 1;
+    for (size_t i = 0; i < slot_count && status == STATUS_OK; i++) {
+        const struct texture_slot *slot =
+            &set->materials[i / TEXTURE_USE_COUNT].textures[i % TEXTURE_USE_COUNT];
+        if (!(slot->flags & TEXTURE_PRESENT))
+            continue;
+        uint32_t image = 1;
+        while (image < out->image_count && firsts[image] != slot->texel_first)
+            image++;
+        out->material_images[i] = image;
+        if (image < out->image_count)
+            continue;
+        firsts[image] = slot->texel_first;
+        status = buffer_create_image(&out->images[image], gpu, slot->size & 0xffffu,
+                                     slot->size >> 16, set->texels + slot->texel_first, "texture");
+        out->image_count += status == STATUS_OK;
+    }
+    free(firsts);
+    return status;
+}
+
+static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
+                                    const struct material_set *set, bool textures_bound)
+{
+    enum status status =
+        buffer_create(&out->materials, gpu, set->material_count * sizeof(*set->materials),
+                      set->materials, "materials");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->texels, gpu, set->texel_count * sizeof(*set->texels),
+                               set->texels, "textures");
+    if (status == STATUS_OK && textures_bound)
+        status = upload_images(out, gpu, set);
+    out->material_count = set->material_count;
+    for (uint32_t i = 0; i < set->material_count; i++)
+        out->alpha_masks |= (set->materials[i].flags & MATERIAL_MASKED) != 0;
+    return status;
+}
+
+enum status upload(struct device_scene *out, struct gpu *gpu, const struct upload_source *source,
+                   bool nodes_image, bool textures_bound)
+{
+    struct device_scene scene = {0};
+    enum status status = upload_bvh(&scene, gpu, source->bvh, nodes_image);
+    if (status == STATUS_OK)
+        status = upload_geometry(&scene, gpu, source->geometry);
+    if (status == STATUS_OK)
+        status = upload_lights(&scene, gpu, source);
+    if (status == STATUS_OK)
+        status = upload_materials(&scene, gpu, source->materials, textures_bound);
+    if (status != STATUS_OK) {
+        device_scene_free(gpu, &scene);
+        return status;
+    }
+    *out = scene;
+    return STATUS_OK;
+}
+
+void device_scene_free(struct gpu *gpu, struct device_scene *scene)
+{
+    buffer_free(gpu, &scene->directional);
+    buffer_free(gpu, &scene->light_leaves);
+    buffer_free(gpu, &scene->light_parents);
+    buffer_free(gpu, &scene->light_nodes);
+    buffer_free(gpu, &scene->lights);
+    for (uint32_t i = 0; i < scene->image_count; i++)
+        buffer_free(gpu, &scene->images[i]);
+    free(scene->images);
+    free(scene->material_images);
+    buffer_free(gpu, &scene->texels);
+    buffer_free(gpu, &scene->materials);
+    buffer_free(gpu, &scene->triangle_emitters);
+    buffer_free(gpu, &scene->triangles);
+    buffer_free(gpu, &scene->colors);
+    buffer_free(gpu, &scene->vertices);
+    buffer_free(gpu, &scene->refs);
+    buffer_free(gpu, &scene->woop);
+    buffer_free(gpu, &scene->nodes);
+    buffer_free(gpu, &scene->node_rows);
+    *scene = (struct device_scene){0};
+}

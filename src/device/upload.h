@@ -1,0 +1,65 @@
+/**
+ * @file
+ * The scene on the device. Every array is owned by exactly one buffer here.
+ */
+#ifndef DEVICE_UPLOAD_H
+#define DEVICE_UPLOAD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/status.h"
+#include "device/buffer.h"
+#include "prep/bvh_pack.h"
+#include "prep/emitters.h"
+#include "prep/flatten.h"
+#include "prep/light_tree.h"
+#include "prep/textures.h"
+
+/** What is to be uploaded; borrowed. */
+struct upload_source {
+    const struct geometry *geometry;
+    const struct packed_bvh *bvh;
+    const struct emitters *emitters;
+    const struct light_tree *light_tree;
+    const struct material_set *materials;
+};
+
+/** Bytes of each kind. */
+struct upload_sizes {
+    uint64_t bvh, geometry, materials, lights;
+};
+
+/** All zero is a valid empty one. */
+struct device_scene {
+    struct buffer nodes;     // struct bvh_node, or a view of them as a 1D texture
+    struct buffer node_rows; // what the view views; empty without one
+    struct buffer woop, refs;
+    struct buffer vertices, colors, triangles, triangle_emitters;
+    struct buffer materials, texels;
+    struct buffer *images;     // [image_count], the first white for slots without one; owned
+    uint32_t image_count;      // 0 unless textures are bound
+    uint32_t *material_images; // [material_count * TEXTURE_USE_COUNT] index into images; owned
+    struct buffer lights, light_nodes, light_parents, light_leaves, directional;
+    uint32_t material_count, light_count, directional_count;
+    uint32_t emitter_count; // lights that a ray can hit
+    bool alpha_masks;       // some material is alpha-tested
+};
+
+/** What upload() will take on the device, images apart. */
+struct upload_sizes upload_sizes(const struct upload_source *source);
+
+/**
+ * Copies a scene to the device.
+ *
+ * @param nodes_image     BVH nodes as a 1D texture.
+ * @param textures_bound  Make an image of every texture.
+ * @retval STATUS_NO_MEMORY, STATUS_DEVICE, STATUS_LIMIT
+ */
+enum status upload(struct device_scene *out, struct gpu *gpu, const struct upload_source *source,
+                   bool nodes_image, bool textures_bound);
+
+/** Releases everything. Safe on an empty one. */
+void device_scene_free(struct gpu *gpu, struct device_scene *scene);
+
+#endif

@@ -1,0 +1,32 @@
+#include "pipeline/stages.h"
+
+enum status direct_build(struct direct *out, const struct gpu *gpu,
+                         const struct program_options *options, uint32_t *built)
+{
+    return kernel_build(&out->kernel, gpu, "direct", options, built);
+}
+
+enum status direct_enqueue(const struct direct *direct, const struct stage_context *context)
+{
+    const struct device_scene *scene = context->scene;
+    const struct wavefront *w = context->wavefront;
+    const struct kernel_arg args[] = {
+        ARG_BUFFER(&scene->nodes),        ARG_BUFFER(&scene->woop),
+        ARG_BUFFER(&scene->refs),         ARG_BUFFER(&scene->vertices),
+        ARG_BUFFER(&scene->colors),       ARG_BUFFER(&scene->triangles),
+        ARG_BUFFER(&scene->materials),    ARG_BUFFER(&scene->texels),
+        ARG_BUFFER(&w->settings),         ARG_BUFFER(&w->camera),
+        ARG_VALUE(context->batch),        ARG_VALUE(context->bounce),
+        ARG_BUFFER(&scene->lights),       ARG_BUFFER(&scene->light_nodes),
+        ARG_BUFFER(stage_queue(context)), ARG_BUFFER(&w->hits),
+        ARG_BUFFER(&w->shades),           ARG_BUFFER(&w->paths),
+        ARG_BUFFER(&w->counters),
+    };
+    return kernel_enqueue(context->gpu, &direct->kernel, args, sizeof(args) / sizeof(args[0]),
+                          stage_trace_items(context, &direct->kernel));
+}
+
+void direct_free(struct direct *direct)
+{
+    kernel_free(&direct->kernel);
+}

@@ -1,0 +1,78 @@
+#include "pipeline/pipeline.h"
+
+enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
+                           const struct device_scene *scene, const struct program_options *options)
+{
+    struct pipeline p = {.options = *options};
+    enum status status = raygen_build(&p.raygen, gpu, options, &p.built);
+    if (status == STATUS_OK)
+        status = trace_build(&p.trace, gpu, options, &p.built);
+    if (status == STATUS_OK && options->textures_bound)
+        status = sort_build(&p.sort, gpu, options, &p.built);
+    if (status == STATUS_OK)
+        status = material_build(&p.material, gpu, options, &p.built);
+    if (status == STATUS_OK && scene->light_count > 0)
+        status = direct_build(&p.direct, gpu, options, &p.built);
+    if (status == STATUS_OK && scene->directional_count > 0)
+        status = directional_build(&p.directional, gpu, options, &p.built);
+    if (status == STATUS_OK)
+        status = compact_build(&p.compact, gpu, options, &p.built);
+    if (status != STATUS_OK) {
+        pipeline_free(&p);
+        return status;
+    }
+    *out = p;
+    return STATUS_OK;
+}
+
+// One bounce: what the rays of the queue hit, light on it, and the rays that go on.
+static enum status enqueue_bounce(const struct pipeline *p, const struct stage_context *context,
+                                  uint32_t depth, uint32_t bounces)
+{
+    const bool shades = context->bounce < depth; // else emission is collected only
+    enum status status = trace_enqueue(&p->trace, context);
+    if (status == STATUS_OK && p->options.textures_bound)
+        status = sort_enqueue(&p->sort, context);
+    if (status == STATUS_OK)
+        status = material_enqueue(&p->material, context);
+    if (status == STATUS_OK && shades && context->scene->light_count > 0)
+        status = direct_enqueue(&p->direct, context);
+    if (status == STATUS_OK && shades && context->scene->directional_count > 0)
+        status = directional_enqueue(&p->directional, context);
+    if (status == STATUS_OK && context->bounce + 1 < bounces)
+        status = compact_enqueue(&p->compact, context);
+    return status;
+}
+
+enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
+                             const struct device_scene *scene, const struct wavefront *wavefront,
+                             const struct batch *batch, uint32_t depth)
+{
+    struct stage_context context = {
+        .gpu = gpu,
+        .scene = scene,
+        .wavefront = wavefront,
+        .batch = *batch,
+        .persistent = pipeline->options.persistent,
+    };
+
+    // After the last shaded hit a path may go on once more, to collect what a glossy surface
+    // mirrors.
+    const uint32_t bounces = scene->emitter_count > 0 ? depth + 1 : depth;
+    enum status status = raygen_enqueue(&pipeline->raygen, &context);
+    for (; context.bounce < bounces && status == STATUS_OK; context.bounce++)
+        status = enqueue_bounce(pipeline, &context, depth, bounces);
+    return status;
+}
+
+void pipeline_free(struct pipeline *pipeline)
+{
+    compact_free(&pipeline->compact);
+    directional_free(&pipeline->directional);
+    direct_free(&pipeline->direct);
+    material_free(&pipeline->material);
+    sort_free(&pipeline->sort);
+    trace_free(&pipeline->trace);
+    raygen_free(&pipeline->raygen);
+    *pipeline = (struct pipeline){0};
+}

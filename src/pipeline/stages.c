@@ -1,0 +1,30 @@
+#include "pipeline/stages.h"
+
+// Groups of a looping kernel for each compute unit. Enough that the last ones to finish are short;
+// on an NVIDIA unit, 8 groups of 256 are all the items it holds.
+#define LOOP_GROUPS 8u
+
+// Items of a persistent kernel for each compute unit: what a GPU keeps resident. On CPUs, a few, so
+// that a thread that was held up does not hold up the rest.
+#define PERSISTENT_ITEMS_GPU 2048u
+#define PERSISTENT_ITEMS_CPU 4u
+
+const struct buffer *stage_queue(const struct stage_context *context)
+{
+    return &context->wavefront->queue[context->bounce & 1];
+}
+
+size_t stage_loop_items(const struct stage_context *context, const struct kernel *kernel)
+{
+    return (size_t)context->gpu->info.compute_units * LOOP_GROUPS * kernel->group_size;
+}
+
+size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel)
+{
+    if (!context->persistent)
+        return context->batch.count;
+    const struct gpu_info *info = &context->gpu->info;
+    const size_t per_unit =
+        info->is_cpu ? PERSISTENT_ITEMS_CPU * kernel->group_size : PERSISTENT_ITEMS_GPU;
+    return info->compute_units * per_unit;
+}

@@ -1,0 +1,106 @@
+/**
+ * @file
+ * The stages: each sets the arguments of its kernels and enqueues them, no more. What a stage reads
+ * and writes stands at the head of the .cl of the same name.
+ *
+ * Every *_build() can fail as kernel_build() does and adds to *built the programs it compiled;
+ * every
+ * *_enqueue() as kernel_enqueue(). Every *_free() is safe on an all-zero stage.
+ */
+#ifndef PIPELINE_STAGES_H
+#define PIPELINE_STAGES_H
+
+#include <stdint.h>
+
+#include "device/program.h"
+#include "device/upload.h"
+#include "pipeline/wavefront.h"
+
+/** What every stage is given. */
+struct stage_context {
+    struct gpu *gpu;
+    const struct device_scene *scene;
+    const struct wavefront *wavefront;
+    struct batch batch;
+    uint32_t bounce;
+    bool persistent; // tracing kernels take work from a queue
+};
+
+/** This bounce's queue. */
+const struct buffer *stage_queue(const struct stage_context *context);
+
+/** Work items of a kernel that loops until the work is done: enough to fill the device. */
+size_t stage_loop_items(const struct stage_context *context, const struct kernel *kernel);
+
+/** Work items of a kernel that traces. */
+size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel);
+
+struct raygen {
+    struct kernel kernel;
+};
+
+enum status raygen_build(struct raygen *out, const struct gpu *gpu,
+                         const struct program_options *options, uint32_t *built);
+enum status raygen_enqueue(const struct raygen *raygen, const struct stage_context *context);
+void raygen_free(struct raygen *raygen);
+
+struct trace {
+    struct kernel kernel;
+};
+
+enum status trace_build(struct trace *out, const struct gpu *gpu,
+                        const struct program_options *options, uint32_t *built);
+enum status trace_enqueue(const struct trace *trace, const struct stage_context *context);
+void trace_free(struct trace *trace);
+
+struct sort {
+    struct kernel keys, count, scan, scatter, ranges;
+};
+
+enum status sort_build(struct sort *out, const struct gpu *gpu,
+                       const struct program_options *options, uint32_t *built);
+
+/** Sorts this bounce's queue by material into wavefront.slots[0] and wavefront.ranges. */
+enum status sort_enqueue(const struct sort *sort, const struct stage_context *context);
+void sort_free(struct sort *sort);
+
+struct material_stage {
+    struct kernel kernel;
+    bool textures_bound;
+};
+
+enum status material_build(struct material_stage *out, const struct gpu *gpu,
+                           const struct program_options *options, uint32_t *built);
+enum status material_enqueue(const struct material_stage *material,
+                             const struct stage_context *context);
+void material_free(struct material_stage *material);
+
+struct direct {
+    struct kernel kernel;
+};
+
+enum status direct_build(struct direct *out, const struct gpu *gpu,
+                         const struct program_options *options, uint32_t *built);
+enum status direct_enqueue(const struct direct *direct, const struct stage_context *context);
+void direct_free(struct direct *direct);
+
+struct directional {
+    struct kernel kernel;
+};
+
+enum status directional_build(struct directional *out, const struct gpu *gpu,
+                              const struct program_options *options, uint32_t *built);
+enum status directional_enqueue(const struct directional *directional,
+                                const struct stage_context *context);
+void directional_free(struct directional *directional);
+
+struct compact {
+    struct kernel count, scan, scatter;
+};
+
+enum status compact_build(struct compact *out, const struct gpu *gpu,
+                          const struct program_options *options, uint32_t *built);
+enum status compact_enqueue(const struct compact *compact, const struct stage_context *context);
+void compact_free(struct compact *compact);
+
+#endif

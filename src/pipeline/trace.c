@@ -1,0 +1,27 @@
+#include "pipeline/stages.h"
+
+enum status trace_build(struct trace *out, const struct gpu *gpu,
+                        const struct program_options *options, uint32_t *built)
+{
+    return kernel_build(&out->kernel, gpu, "trace", options, built);
+}
+
+enum status trace_enqueue(const struct trace *trace, const struct stage_context *context)
+{
+    const struct device_scene *scene = context->scene;
+    const struct wavefront *w = context->wavefront;
+    const struct kernel_arg args[] = {
+        ARG_BUFFER(&scene->nodes),        ARG_BUFFER(&scene->woop),   ARG_BUFFER(&scene->refs),
+        ARG_BUFFER(&scene->vertices),     ARG_BUFFER(&scene->colors), ARG_BUFFER(&scene->triangles),
+        ARG_BUFFER(&scene->materials),    ARG_BUFFER(&scene->texels), ARG_BUFFER(&w->rays),
+        ARG_BUFFER(stage_queue(context)), ARG_BUFFER(&w->hits),       ARG_BUFFER(&w->counters),
+        ARG_VALUE(context->bounce),
+    };
+    return kernel_enqueue(context->gpu, &trace->kernel, args, sizeof(args) / sizeof(args[0]),
+                          stage_trace_items(context, &trace->kernel));
+}
+
+void trace_free(struct trace *trace)
+{
+    kernel_free(&trace->kernel);
+}

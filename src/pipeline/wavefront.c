@@ -1,0 +1,74 @@
+#include "pipeline/wavefront.h"
+
+#include "shared/ray.h"
+
+// Scratch words per path: sort has 16 digits a tile, and no tile is smaller than 16 elements.
+#define TOTALS_PER_PATH 1u
+
+uint64_t wavefront_path_size(bool textures_bound)
+{
+    const uint64_t words = 2 + TOTALS_PER_PATH + (textures_bound ? 4 : 0);
+    return sizeof(struct ray) + sizeof(struct hit) + sizeof(struct path) + sizeof(struct shade) +
+           words * sizeof(uint32_t);
+}
+
+enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t capacity,
+                             const struct settings *settings, const struct camera *camera,
+                             bool textures_bound)
+{
+    struct wavefront w = {.capacity = capacity, .bounce_count = settings->depth + 2};
+    const size_t words = capacity * sizeof(uint32_t);
+    const size_t sort_words = textures_bound ? words : 0;
+    const struct {
+        struct buffer *buffer;
+        size_t size;
+        const void *data;
+        const char *name;
+    } table[] = {
+        {&w.settings, sizeof(*settings), settings, "settings"},
+        {&w.camera, sizeof(*camera), camera, "camera"},
+        {&w.rays, capacity * sizeof(struct ray), NULL, "rays"},
+        {&w.hits, capacity * sizeof(struct hit), NULL, "hits"},
+        {&w.paths, capacity * sizeof(struct path), NULL, "paths"},
+        {&w.shades, capacity * sizeof(struct shade), NULL, "shaded hits"},
+        {&w.queue[0], words, NULL, "ray queue"},
+        {&w.queue[1], words, NULL, "ray queue"},
+        {&w.counters, w.bounce_count * sizeof(struct counters), NULL, "counters"},
+        {&w.totals, words * TOTALS_PER_PATH + 64 * sizeof(uint32_t), NULL, "scan totals"},
+        {&w.keys[0], sort_words, NULL, "sort keys"},
+        {&w.keys[1], sort_words, NULL, "sort keys"},
+        {&w.slots[0], sort_words, NULL, "sorted slots"},
+        {&w.slots[1], sort_words, NULL, "sorted slots"},
+        {&w.ranges, textures_bound ? (settings->material_count + 2) * sizeof(uint32_t) : 0, NULL,
+         "material ranges"},
+    };
+    for (size_t i = 0; i < sizeof(table) / sizeof(table[0]); i++) {
+        const enum status status =
+            buffer_create(table[i].buffer, gpu, table[i].size, table[i].data, table[i].name);
+        if (status != STATUS_OK) {
+            wavefront_free(gpu, &w);
+            return status;
+        }
+    }
+    *out = w;
+    return STATUS_OK;
+}
+
+void wavefront_free(struct gpu *gpu, struct wavefront *w)
+{
+    buffer_free(gpu, &w->ranges);
+    for (int i = 0; i < 2; i++) {
+        buffer_free(gpu, &w->slots[i]);
+        buffer_free(gpu, &w->keys[i]);
+        buffer_free(gpu, &w->queue[i]);
+    }
+    buffer_free(gpu, &w->totals);
+    buffer_free(gpu, &w->counters);
+    buffer_free(gpu, &w->shades);
+    buffer_free(gpu, &w->paths);
+    buffer_free(gpu, &w->hits);
+    buffer_free(gpu, &w->rays);
+    buffer_free(gpu, &w->camera);
+    buffer_free(gpu, &w->settings);
+    *w = (struct wavefront){0};
+}

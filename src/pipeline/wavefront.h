@@ -1,0 +1,43 @@
+/**
+ * @file
+ * The paths in flight: the buffers that stages hand to each other, and what all of them read.
+ */
+#ifndef PIPELINE_WAVEFRONT_H
+#define PIPELINE_WAVEFRONT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/status.h"
+#include "device/buffer.h"
+#include "shared/camera.h"
+#include "shared/path.h"
+#include "shared/settings.h"
+
+/** All zero is a valid empty one. */
+struct wavefront {
+    struct buffer settings, camera;
+    struct buffer rays, hits, paths, shades; // [capacity] by slot
+    struct buffer queue[2];                  // [capacity] slots of this bounce and of the next
+    struct buffer counters;                  // [bounce_count]
+    struct buffer totals;                    // scratch of compact and sort
+    struct buffer keys[2], slots[2], ranges; // of sort; empty unless textures are bound
+    uint32_t capacity;                       // paths
+    uint32_t bounce_count;                   // sets of counters
+};
+
+/** Bytes that a path takes. */
+uint64_t wavefront_path_size(bool textures_bound);
+
+/**
+ * Makes the buffers for `capacity` paths.
+ *
+ * @retval STATUS_NO_MEMORY, STATUS_DEVICE
+ */
+enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t capacity,
+                             const struct settings *settings, const struct camera *camera,
+                             bool textures_bound);
+
+void wavefront_free(struct gpu *gpu, struct wavefront *wavefront);
+
+#endif
