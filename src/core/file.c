@@ -109,40 +109,11 @@ static bool is_special(const char *path)
     return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
 }
 
-enum status file_write(const char *path, const void *bytes, size_t size)
-{
-    if (is_special(path))
-        return write_in_place(path, bytes, size);
-
-    struct file_replacement replacement = {0};
-    enum status status = file_replace_begin(&replacement, path);
-    if (status != STATUS_OK)
-        return status;
-
-    const int file = open(replacement.temporary, O_WRONLY | O_CLOEXEC);
-    if (file < 0) {
-        status = fail_write(path, errno);
-    } else {
-        status = write_all(file, bytes, size, path);
-        if (close(file) != 0 && status == STATUS_OK)
-            status = fail_write(path, errno);
-    }
-    if (status == STATUS_OK)
-        status = file_replace_commit(&replacement);
-    file_replace_cancel(&replacement);
-    return status;
-}
-
-enum status file_check_writable(const char *path)
-{
-    if (is_special(path))
-        return access(path, W_OK) == 0 ? STATUS_OK : fail_write(path, errno);
-
-    struct file_replacement replacement = {0};
-    const enum status status = file_replace_begin(&replacement, path);
-    file_replace_cancel(&replacement);
-    return status;
-}
+// A file that is being replaced.
+struct replacement {
+    char *target;    // the file to be, symbolic links followed; owned
+    char *temporary; // being written, in the same folder; NULL once it has become the target; owned
+};
 
 // Names a new file beside `target`, and makes it.
 static enum status make_temporary(char **out, const char *target, mode_t mode, const char *path)
@@ -179,7 +150,8 @@ static enum status make_temporary(char **out, const char *target, mode_t mode, c
     return fail_write(path, EEXIST);
 }
 
-enum status file_replace_begin(struct file_replacement *out, const char *path)
+// Makes the empty temporary of a file that is to be replaced.
+static enum status replace_begin(struct replacement *out, const char *path)
 {
     if (path[0] == '\0')
         return status_fail(STATUS_WRITE, "a file name is empty");
@@ -188,13 +160,11 @@ enum status file_replace_begin(struct file_replacement *out, const char *path)
     const bool exists = stat(path, &info) == 0;
     if (exists && S_ISDIR(info.st_mode))
         return status_fail(STATUS_WRITE, "%s: is a folder; name a file in it", path);
-    if (exists && !S_ISREG(info.st_mode))
-        return status_fail(STATUS_WRITE, "%s: is no regular file", path);
     if (exists && access(path, W_OK) != 0)
         return fail_write(path, errno);
 
     // Renaming over a symbolic link would replace the link: follow it.
-    struct file_replacement made = {0};
+    struct replacement made = {0};
     made.target = exists ? realpath(path, NULL) : strdup(path);
     if (made.target == NULL)
         return exists && errno != ENOMEM ? fail_write(path, errno) : fail_no_memory(path);
@@ -209,30 +179,59 @@ enum status file_replace_begin(struct file_replacement *out, const char *path)
     return STATUS_OK;
 }
 
-enum status file_replace_commit(struct file_replacement *replacement)
-{
-    // Some file systems find out only here that they are full.
-    const int file = open(replacement->temporary, O_WRONLY | O_CLOEXEC);
-    if (file < 0)
-        return fail_write(replacement->target, errno);
-    const int synced = fsync(file);
-    const int error = errno;
-    close(file);
-    if (synced != 0 && error != EINVAL && error != ENOTSUP)
-        return fail_write(replacement->target, error);
-
-    if (rename(replacement->temporary, replacement->target) != 0)
-        return fail_write(replacement->target, errno);
-    free(replacement->temporary);
-    replacement->temporary = NULL; // it is the target now
-    return STATUS_OK;
-}
-
-void file_replace_cancel(struct file_replacement *replacement)
+// Removes the temporary if it was not renamed, and releases the names.
+static void replace_end(struct replacement *replacement)
 {
     if (replacement->temporary != NULL)
         unlink(replacement->temporary);
     free(replacement->temporary);
     free(replacement->target);
-    *replacement = (struct file_replacement){0};
+    *replacement = (struct replacement){0};
+}
+
+enum status file_write(const char *path, const void *bytes, size_t size)
+{
+    if (is_special(path))
+        return write_in_place(path, bytes, size);
+
+    struct replacement replacement = {0};
+    enum status status = replace_begin(&replacement, path);
+    if (status != STATUS_OK)
+        return status;
+
+    // Some file systems find out only at the sync or the close that they are full.
+    const int file = open(replacement.temporary, O_WRONLY | O_CLOEXEC);
+    if (file < 0) {
+        status = fail_write(path, errno);
+        goto cleanup;
+    }
+    status = write_all(file, bytes, size, path);
+    if (status == STATUS_OK && fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP)
+        status = fail_write(path, errno);
+    if (close(file) != 0 && status == STATUS_OK)
+        status = fail_write(path, errno);
+    if (status != STATUS_OK)
+        goto cleanup;
+
+    if (rename(replacement.temporary, replacement.target) != 0) {
+        status = fail_write(path, errno);
+        goto cleanup;
+    }
+    free(replacement.temporary);
+    replacement.temporary = NULL; // it is the target now
+
+cleanup:
+    replace_end(&replacement);
+    return status;
+}
+
+enum status file_check_writable(const char *path)
+{
+    if (is_special(path))
+        return access(path, W_OK) == 0 ? STATUS_OK : fail_write(path, errno);
+
+    struct replacement replacement = {0};
+    const enum status status = replace_begin(&replacement, path);
+    replace_end(&replacement);
+    return status;
 }

@@ -35,27 +35,4 @@ enum status file_write(const char *path, const void *bytes, size_t size);
 /** Checks that file_write() may write there, by making a temporary. STATUS_WRITE if not. */
 enum status file_check_writable(const char *path);
 
-/** A file that is being replaced by a writer of its own, which is given a name. All zero: none. */
-struct file_replacement {
-    char *target;    // the file to be, symbolic links followed; owned
-    char *temporary; // the empty file to be written, in the same folder; owned
-};
-
-/**
- * Makes the temporary. Then write it by its name, and call file_replace_commit().
- *
- * @param[out] out  Written on success only; release with file_replace_cancel().
- * @retval STATUS_WRITE      There is no such folder, or it or the old file is write-protected, or
- * the target is no regular file.
- * @retval STATUS_NO_MEMORY  The names do not fit.
- */
-enum status file_replace_begin(struct file_replacement *out, const char *path);
-
-/** Brings the temporary to the disk and renames it over the target. On failure nothing has changed.
- * @retval STATUS_WRITE */
-enum status file_replace_commit(struct file_replacement *replacement);
-
-/** Removes the temporary if it was not renamed, and releases the names. Safe on an empty one. */
-void file_replace_cancel(struct file_replacement *replacement);
-
 #endif

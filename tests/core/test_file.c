@@ -164,18 +164,6 @@ static void check_tells_what_cannot_be_written(void **state)
     assert_int_equal(file_check_writable(""), STATUS_WRITE);
 }
 
-static void cancelled_replacement_leaves_nothing(void **state)
-{
-    (void)state;
-    struct file_replacement replacement = {0};
-    file_replace_cancel(&replacement);
-    assert_int_equal(file_replace_begin(&replacement, in_folder("a")), STATUS_OK);
-    assert_int_equal(entry_count(), 1);
-    file_replace_cancel(&replacement);
-    file_replace_cancel(&replacement);
-    assert_int_equal(entry_count(), 0);
-}
-
 #define TEST(name) cmocka_unit_test_setup_teardown(name, make_folder, remove_folder)
 
 int main(void)
@@ -188,7 +176,6 @@ int main(void)
         TEST(full_device_is_told),
         TEST(replacing_keeps_permissions_and_links),
         TEST(check_tells_what_cannot_be_written),
-        TEST(cancelled_replacement_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
