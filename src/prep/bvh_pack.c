@@ -11,9 +11,9 @@
 // Woop's test may lose by rounding near a box's face.
 #define BOX_MARGIN 0x1p-22
 
-// Corner of the boxes of empty leaves, m: finite, since kernels may be built with finite maths
-// only.
-#define BOX_NOWHERE 1e30f
+// Where the boxes of empty leaves are, m: points, so that slab tests of either form miss them.
+// Times the inverse of the least direction that kernels divide by, 1e-20, it is still finite.
+#define BOX_NOWHERE 1e17f
 
 #define CHILD_EMPTY (~0) // a leaf of no references
 
@@ -24,7 +24,7 @@ struct child {
 };
 
 static const struct child empty_child = {{BOX_NOWHERE, BOX_NOWHERE, BOX_NOWHERE},
-                                         {-BOX_NOWHERE, -BOX_NOWHERE, -BOX_NOWHERE},
+                                         {BOX_NOWHERE, BOX_NOWHERE, BOX_NOWHERE},
                                          CHILD_EMPTY};
 
 // Makes a box a little larger.

@@ -16,7 +16,8 @@
 /** All zero is a valid empty one. */
 struct packed_bvh {
     struct bvh_node *nodes; // [node_count], depth first, root at 0; at least one: of no or few
-                            // triangles, a root with empty leaves; owned
+                            // triangles, a root with empty leaves (boxes far away, 0 references);
+                            // owned
     struct woop *woop;      // [ref_count]; owned
     uint32_t *refs;         // [ref_count], BVH_REF_...; owned
     uint32_t node_count, ref_count;

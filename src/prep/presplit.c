@@ -108,8 +108,13 @@ static uint32_t split_triangle(struct tri_ref *out, const struct geometry *geome
     vec3_position(corners[1], &geometry->vertices[triangle->v1]);
     vec3_position(corners[2], &geometry->vertices[triangle->v2]);
     vec3_face(normal, corners[0], corners[1], corners[2]);
-    if (!(vec3_dot(normal, normal) > 0.0))
+    const double double_area = vec3_length(normal);
+    if (!(double_area > 0.0))
         return 0; // degenerate
+
+    // Half a box's surface is no less than the area inside it: do not try what cannot succeed.
+    if (threshold > 0.0 && double_area / threshold > limit)
+        return limit + 1;
 
     // Take the whole triangle, then cut until nothing on the stack is above the threshold.
     struct part stack[PART_STACK];
