@@ -101,7 +101,7 @@ $(B)/cli.a: $(CLI_OBJ) $(B)/flags
 %.a:
 	$(call say,AR,$@)
 	$(Q)rm -f $@
-	$(Q)$(AR) rcs $@ $(filter %.o,$^)
+	$(Q)$(AR) qcs $@ $(filter %.o,$^)
 $(B)/$(SONAME): $(LIB_OBJ) src/exports.map
 	$(call say,LINK,$@)
 	$(Q)$(CXX) -shared $(LINK) -Wl,-soname,$(SONAME) -Wl,--version-script=src/exports.map \
