@@ -336,8 +336,8 @@ double light_tree_pmf(const struct light_tree *tree, const float *point, uint32_
         if (!holds(&tree->nodes[node], point))
             return 0.0;
         if (holds(&tree->nodes[sibling], point)) {
-            const float left = tree->nodes[parent].lo_left.w;
-            pmf *= node == right ? 1.0f - left : left;
+            const double left = tree->nodes[parent].lo_left.w;
+            pmf *= node == right ? 1.0 - left : left;
         }
     }
     return holds(&tree->nodes[0], point) ? pmf : 0.0;
