@@ -32,7 +32,7 @@
 // clang-format off
 const struct option option_table[] = {
     HEADING(RENDER, "Picture"),
-    {"output", 'o', RENDER, "FILE", "the image: .exr .hdr .tif (linear) .png .jpg (8 bits)", "must be given", TEXT(output)},
+    {"output", 'o', RENDER, "FILE", "the image: .exr .hdr .tif (linear), .png .jpg (8 bits)", NULL, TEXT(output)},
     {"width", 0, RENDER, "N", "image size in pixels", "1024, or by the camera's aspect", UINT(settings.width, 1, 16384)},
     {"height", 0, RENDER, "N", "", "by the camera's aspect", UINT(settings.height, 1, 16384)},
     {"camera", 0, RENDER, "NAME", "camera: its name, its node's name or its index", "the first", TEXT(settings.camera)},
@@ -40,7 +40,7 @@ const struct option option_table[] = {
     {"exposure", 0, RENDER, "EV", "stops, for 8-bit files only", NULL, FLOAT(display.exposure_ev, -100, 100)},
     {"tonemap", 0, RENDER, NULL, "for 8-bit files only", "aces", CHOICE(display.tonemap, choices_tonemap)},
 
-    HEADING(RENDER, "When to stop: whichever comes first"),
+    HEADING(RENDER, "When to stop (whichever comes first)"),
     {"spp", 0, RENDER, "N", "samples per pixel", "64; no limit with --time", UINT(settings.spp, 1, 1e9)},
     {"time", 0, RENDER, "S", "seconds of rendering", "no limit", DOUBLE(settings.time_s, 0.001, 1e9)},
 
@@ -52,7 +52,7 @@ const struct option option_table[] = {
     {"seed", 0, RENDER, "N", "another seed gives other noise", NULL, UINT(settings.seed, 0, UINT32_MAX)},
 
     HEADING(RENDER, "Device and kernels"),
-    {"device", 0, RENDER, "WHICH", "cpu, gpu, P:D of `lightkiln devices`, or part of a name", "the best", TEXT(settings.device)},
+    {"device", 0, RENDER, "WHICH", "cpu, gpu, P:D, or part of a name", "the best", TEXT(settings.device)},
     {"trace", 0, RENDER, NULL, "traversal: a ray per item, or a work queue", NULL, CHOICE(settings.trace, choices_trace)},
     {"textures", 0, RENDER, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
     {"nodes", 0, RENDER, NULL, "where kernels read the BVH's nodes from", NULL, CHOICE(settings.nodes, choices_nodes)},
