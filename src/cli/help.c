@@ -124,10 +124,7 @@ void help_print_command(FILE *file, enum command command)
 
 void help_print(FILE *file)
 {
-    fprintf(file,
-            "lightkiln %s: path-traced global illumination for glTF levels on any OpenCL "
-            "device\n\n",
-            lk_version());
+    fprintf(file, "lightkiln %s: glTF in, light out, on any OpenCL device\n\n", lk_version());
     fprintf(file,
             "  lightkiln render SCENE -o FILE        renders a scene into an image\n"
             "  lightkiln info SCENE                  tells what is in it and what it takes\n"

@@ -92,8 +92,10 @@ static void every_option_is_taken_and_lands_in_its_field(void **state)
         options_init(&defaults);
         if (parse_render(&options, line) != STATUS_OK)
             fail_msg("%s: %s", line, status_message());
-        assert_memory_not_equal((char *)&options + o->offset, (char *)&defaults + o->offset,
-                                o->type == OPTION_FLAG ? sizeof(bool) : sizeof(uint32_t));
+        const bool wide =
+            o->type == OPTION_TEXT || o->type == OPTION_MEGABYTES || o->type == OPTION_DOUBLE;
+        const size_t size = o->type == OPTION_FLAG ? sizeof(bool) : wide ? 8 : 4;
+        assert_memory_not_equal((char *)&options + o->offset, (char *)&defaults + o->offset, size);
     }
 }
 
