@@ -322,7 +322,7 @@ static enum status take_image(struct lk_image **out, struct renderer *r,
     for (uint32_t i = 0; i < info->kernel_count; i++) {
         info->kernels[i].calls = entries[i].calls;
         info->kernels[i].time_s = entries[i].time_s;
-        snprintf(info->kernels[i].name, sizeof(info->kernels[i].name), "%s", entries[i].name);
+        memcpy(info->kernels[i].name, entries[i].name, sizeof(info->kernels[i].name));
     }
     info->time_s.total = clock_seconds() - r->start_s + info->time_s.import;
     image->width = r->camera.width;
