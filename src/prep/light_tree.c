@@ -7,8 +7,10 @@
 #include "prep/array.h"
 #include "prep/vec3.h"
 
-// Levels at which every split is a candidate; see the header.
-#define GREEDY_DEPTH 64
+// Levels at which every split is a candidate. Measured on 1000 lights with ranges of 5 to 10 m in a
+// hall of 50 x 5 x 50 m: without bound a light is 456 steps from the root, with 64 levels 72, with
+// 16 levels 27, with none 11; the variance of drawing falls in the same order.
+#define GREEDY_DEPTH 16
 
 // Least probability of a child: random numbers of 24 bits still find it, and no light is lost.
 #define SHARE_MIN 0x1p-20

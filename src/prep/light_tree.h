@@ -5,13 +5,13 @@
  *
  * Lights with a range are split top-down by the binary split, of all possible ones along each axis,
  * with the least sum of the two children's volumes; of equal ones the most even is taken. Lights
- * without one are halved along their
- * longest axis into nodes with boundless boxes, whose children are drawn by power. Where there are
- * both kinds, the root has the first for its left child and the second for its right.
+ * without one are halved along their longest axis into nodes with boundless boxes, whose children
+ * are drawn by power. Where there are both kinds, the root has the first for its left child and the
+ * second for its right.
  *
- * Differs from the thesis: among overlapping spheres the least sum tends to cut off one light at a
- * time, which makes a list. From the 64th level on, a split has to leave a quarter of the lights on
- * each side, so that no descent is longer than 64 + log(n) / log(4/3) steps.
+ * Differs from the thesis: among overlapping spheres the least sum cuts off one light at a time,
+ * which makes a list. From the 16th level on, a split has to leave a quarter of the lights on each
+ * side, so that no descent is longer than 17 + log(n) / log(4/3) steps.
  */
 #ifndef PREP_LIGHT_TREE_H
 #define PREP_LIGHT_TREE_H

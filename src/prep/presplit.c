@@ -23,22 +23,29 @@ struct part {
 
 // Cuts off what lies beyond a plane (Sutherland and Hodgman): keeps sign * p[axis] <= sign * at.
 // Returns the number of corners left.
-static int clip_plane(double out[POLYGON_MAX][3], double in[POLYGON_MAX][3], int count, int axis,
-                      double at, double sign)
+static int clip_plane(double polygon[POLYGON_MAX][3], int count, int axis, double at, double sign)
 {
+    bool beyond = false;
+    for (int i = 0; i < count; i++)
+        beyond = beyond || sign * (polygon[i][axis] - at) > 0.0;
+    if (!beyond)
+        return count;
+
+    double in[POLYGON_MAX][3];
     int kept = 0;
+    memcpy(in, polygon, (size_t)count * sizeof(in[0]));
     for (int i = 0; i < count; i++) {
         const double *a = in[i];
-        const double *b = in[(i + 1) % count];
+        const double *b = in[i + 1 < count ? i + 1 : 0];
         const double da = sign * (a[axis] - at);
         const double db = sign * (b[axis] - at);
         if (da <= 0.0)
-            memcpy(out[kept++], a, sizeof(double[3]));
+            memcpy(polygon[kept++], a, sizeof(in[0]));
         if ((da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0)) {
             const double t = da / (da - db);
             for (int k = 0; k < 3; k++)
-                out[kept][k] = a[k] + t * (b[k] - a[k]);
-            out[kept++][axis] = at;
+                polygon[kept][k] = a[k] + t * (b[k] - a[k]);
+            polygon[kept++][axis] = at;
         }
     }
     return kept;
@@ -47,12 +54,12 @@ static int clip_plane(double out[POLYGON_MAX][3], double in[POLYGON_MAX][3], int
 // Shrinks a part's box to the triangle inside it. False if nothing of the triangle is inside.
 static bool shrink(struct part *part, double corners[3][3])
 {
-    double polygon[POLYGON_MAX][3], cut[POLYGON_MAX][3];
+    double polygon[POLYGON_MAX][3];
     int count = 3;
     memcpy(polygon, corners, sizeof(double[3][3]));
     for (int axis = 0; axis < 3; axis++) {
-        count = clip_plane(cut, polygon, count, axis, part->lo[axis], -1.0);
-        count = clip_plane(polygon, cut, count, axis, part->hi[axis], 1.0);
+        count = clip_plane(polygon, count, axis, part->lo[axis], -1.0);
+        count = clip_plane(polygon, count, axis, part->hi[axis], 1.0);
     }
     if (count == 0)
         return false;
