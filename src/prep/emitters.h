@@ -27,8 +27,9 @@ struct emitters {
 };
 
 /**
- * Collects the emitters of a scene. Lights of no power are left out. Two neighbouring triangles of
- * one untextured mesh that make a rectangle become one LIGHT_RECTANGLE.
+ * Collects the emitters of a scene. Lights of no power are left out. Two consecutive triangles of
+ * one material, neither textured nor masked, that make a rectangle become one LIGHT_RECTANGLE.
+ * Unlit materials do not emit.
  *
  * @retval STATUS_LIMIT      2^22 lights or more (shared/rng.h counts them in 22 bits).
  * @retval STATUS_NO_MEMORY  They do not fit.

@@ -34,7 +34,9 @@ struct light_tree {
  * Builds the tree. Probabilities of left children are 0.5 among lights with a range and between the
  * two kinds.
  *
- * @param lights, power  [light_count], borrowed; power > 0.
+ * @param[out] out  Written on success only; release with light_tree_free().
+ * @param lights    [light_count], borrowed.
+ * @param power     [light_count], borrowed; > 0.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
 enum status light_tree_build(struct light_tree *out, const struct light *lights, const float *power,

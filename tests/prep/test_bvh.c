@@ -224,7 +224,7 @@ static void boxes_that_halve_their_way_to_zero_stay_shallow(void **state)
     struct tri_ref *refs = make_refs(1, count, 1.0, 0.0);
     for (uint32_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
-            refs[i].lo[k] = refs[i].hi[k] = (float)exp2(-100.0 * i / count);
+            refs[i].lo[k] = refs[i].hi[k] = (float)exp2(120.0 - 240.0 * i / count);
     assert_true(check_tree(refs, count, 2) > 20);
     free(refs);
 }
