@@ -6,6 +6,7 @@
 #ifndef LIB_SURFACE_H
 #define LIB_SURFACE_H
 
+#include "lib/math.h"
 #include "lib/texture.h"
 #include "shared/geometry.h"
 #include "shared/material.h"
