@@ -107,34 +107,116 @@ static std::vector<data_source> read_sources(json_span array, const char *kind)
     return sources;
 }
 
-// The JSON text without what tinygltf need not see.
-static std::string strip_json(import_context &context, const char *text, size_t size)
+// Refuses top-level members of the wrong type, which tinygltf takes for missing.
+static void check_types(const std::vector<json_member> &members)
+{
+    static const char *const arrays[] = {
+        "accessors", "animations", "buffers",  "bufferViews",    "cameras",
+        "images",    "materials",  "meshes",   "nodes",          "samplers",
+        "scenes",    "skins",      "textures", "extensionsUsed", "extensionsRequired"};
+    for (const json_member &member : members) {
+        const char first = *member.value.begin;
+        for (const char *name : arrays) {
+            if (member.name == name && first != '[')
+                fail_import(STATUS_FORMAT, "\"%s\" is not an array", name);
+        }
+        if ((member.name == "asset" || member.name == "extensions") && first != '{')
+            fail_import(STATUS_FORMAT, "\"%s\" is not an object", member.name.c_str());
+        if (member.name == "scene" && (first < '0' || first > '9'))
+            fail_import(STATUS_FORMAT, "\"scene\" is not an index");
+    }
+}
+
+// The line ends of a stretch of text, so that messages of the parser name the right line.
+static std::string line_ends(json_span text)
+{
+    return std::string(static_cast<size_t>(std::count(text.begin, text.end, '\n')), '\n');
+}
+
+// tinygltf refuses indices whose accessor has no buffer view, which glTF allows. Such accessors get
+// an extra view behind those of the file, which forget_extra_view() takes back.
+static std::string patch_accessors(json_span array, size_t extra_view, std::vector<bool> *patched)
+{
+    std::string text;
+    const char *at = array.begin;
+    patched->clear();
+    for (const json_span &element : json_elements(array)) {
+        const std::vector<json_member> members = json_members(element);
+        const bool is_patched =
+            *element.begin == '{' && json_find(members, "bufferView").begin == nullptr;
+        patched->push_back(is_patched);
+        if (!is_patched)
+            continue;
+        text.append(at, element.begin);
+        text += "{\"bufferView\":" + std::to_string(extra_view);
+        text += members.empty() ? "" : ",";
+        at = element.begin + 1;
+    }
+    return text.append(at, array.end);
+}
+
+static void forget_extra_view(tinygltf::Model &model, const std::vector<bool> &patched)
+{
+    if (!model.bufferViews.empty())
+        model.bufferViews.pop_back();
+    for (size_t i = 0; i < model.accessors.size() && i < patched.size(); i++) {
+        if (patched[i])
+            model.accessors[i].bufferView = -1;
+    }
+}
+
+// The file's buffer views and one more.
+static std::string extend_views(json_span array)
+{
+    static const std::string extra = "{\"buffer\":0,\"byteLength\":1}";
+    const bool is_empty = json_elements(array).empty();
+    if (is_empty)
+        return "[" + extra + "]" + line_ends(array);
+    return std::string(array.begin, array.end - 1) + "," + extra + "]";
+}
+
+static std::string stub_buffers(json_span array, size_t count)
+{
+    std::string text = "[";
+    for (size_t i = 0; i < count; i++)
+        text += (i > 0 ? "," : "") + std::string(BUFFER_STUB);
+    return text + "]" + line_ends(array);
+}
+
+// The JSON text with stubs for buffers, without images and animations, and with the extra view.
+static std::string rewrite_json(import_context &context, const char *text, size_t size,
+                                std::vector<bool> *patched)
 {
     const json_span root = json_root(text, size);
     if (*root.begin != '{')
         fail_import(STATUS_FORMAT, "not a glTF file: the JSON text holds no object");
     const std::vector<json_member> members = json_members(root);
+    check_types(members);
     context.buffers = read_sources(json_find(members, "buffers"), "buffer");
     context.images = read_sources(json_find(members, "images"), "image");
+    context.has_animations = !json_elements(json_find(members, "animations")).empty();
+    const json_span views = json_find(members, "bufferViews");
+    const size_t view_count = json_elements(views).size();
 
-    std::string buffers;
-    for (size_t i = 0; i < context.buffers.size(); i++)
-        buffers += (i > 0 ? "," : "") + std::string(BUFFER_STUB);
-    std::string stripped;
-    const char *at = text;
+    std::string out(text, root.begin + 1);
+    if (views.begin == nullptr)
+        out += "\"bufferViews\":" + extend_views(views) + (members.empty() ? "" : ",");
+    const char *at = root.begin + 1;
     for (const json_member &member : members) {
-        const bool is_buffers = member.name == "buffers";
-        const bool is_animations = member.name == "animations";
-        if (!is_buffers && !is_animations && member.name != "images")
-            continue;
-        if (is_animations)
-            context.has_animations = !json_elements(member.value).empty();
-        stripped.append(at, member.value.begin);
-        stripped += "[" + (is_buffers ? buffers : std::string()) + "]";
+        out.append(at, member.value.begin);
         at = member.value.end;
+        if (member.name == "buffers")
+            out += stub_buffers(member.value, context.buffers.size());
+        else if (member.name == "bufferViews")
+            out += extend_views(member.value);
+        else if (member.name == "accessors")
+            out += patch_accessors(member.value, view_count, patched);
+        else if (member.name == "images" || member.name == "animations")
+            out += "[" + line_ends(member.value) + "]";
+        else
+            out.append(member.value.begin, member.value.end);
     }
-    stripped.append(at, text + size);
-    return stripped;
+    return out.append(at, text + size);
 }
 
 // What tinygltf complains of though the file is right.
@@ -163,36 +245,17 @@ static void find_folder(import_context &context)
         context.folder.assign(context.path, static_cast<size_t>(slash - context.path) + 1);
 }
 
-void load_document(import_context &context)
+static void check_version(const import_context &context)
 {
-    find_folder(context);
-    context.file = read_whole_file(context.has_folder ? context.path : nullptr, "scene");
-
-    // Find the JSON text, less a byte order mark.
-    byte_span json = {context.file.data(), context.file.size()};
-    if (json.size == 0)
-        fail_import(STATUS_FORMAT, "the file is empty");
-    if (json.size >= 4 && read_u32(json.data) == GLB_MAGIC)
-        json = split_glb(context);
-    if (json.size >= 3 && memcmp(json.data, "\xef\xbb\xbf", 3) == 0)
-        json = {json.data + 3, json.size - 3};
-    if (json.size >= MAX_JSON_SIZE)
-        fail_import(STATUS_LIMIT, "%zu bytes of JSON text; move data out of it", json.size);
-    const std::string text =
-        strip_json(context, reinterpret_cast<const char *>(json.data), json.size);
-    context.loaded_buffers.resize(context.buffers.size());
-
-    tinygltf::TinyGLTF parser;
-    std::string errors;
-    std::string warnings;
-    const bool parsed = parser.LoadASCIIFromString(&context.model, &errors, &warnings, text.c_str(),
-                                                   static_cast<unsigned>(text.size()), "");
-    check_extensions(context);
-    const std::string real = real_errors(errors);
-    if (!real.empty())
-        fail_import(STATUS_FORMAT, "%s", real.c_str());
-    if (!parsed)
-        fail_import(STATUS_FORMAT, "not a glTF file");
+    const tinygltf::Asset &asset = context.model.asset;
+    if (asset.version.empty())
+        fail_import(STATUS_FORMAT, "not a glTF file: it has no asset.version");
+    if (asset.version.compare(0, 2, "2.") != 0)
+        fail_import(STATUS_UNSUPPORTED, "glTF version \"%s\"; only 2.x is supported",
+                    asset.version.c_str());
+    if (!asset.minVersion.empty() && asset.minVersion != "2.0")
+        fail_import(STATUS_UNSUPPORTED, "it needs glTF version \"%s\"; only 2.0 is supported",
+                    asset.minVersion.c_str());
 }
 
 static bool is_listed(const std::string &name, const char *const *list, size_t count)
@@ -200,12 +263,9 @@ static bool is_listed(const std::string &name, const char *const *list, size_t c
     return std::any_of(list, list + count, [&](const char *entry) { return name == entry; });
 }
 
-void check_extensions(import_context &context)
+// Refuses required extensions that are not implemented; warns of optional ones.
+static void check_extensions(import_context &context)
 {
-    const std::string &version = context.model.asset.version;
-    if (version.compare(0, 2, "2.") != 0)
-        fail_import(STATUS_UNSUPPORTED, "glTF version \"%s\"; only 2.x is supported",
-                    version.c_str());
     const size_t supported_count = sizeof(SUPPORTED) / sizeof(SUPPORTED[0]);
     const size_t replaceable_count = sizeof(REPLACEABLE) / sizeof(REPLACEABLE[0]);
     for (const std::string &name : context.model.extensionsRequired) {
@@ -223,4 +283,39 @@ void check_extensions(import_context &context)
     if (!ignored.empty())
         warn_once(context, "extensions", "extensions that are not supported are ignored: %s",
                   ignored.c_str());
+}
+
+void load_document(import_context &context)
+{
+    find_folder(context);
+    context.file = read_whole_file(context.has_folder ? context.path : nullptr, "scene");
+
+    // Find the JSON text, less a byte order mark.
+    byte_span json = {context.file.data(), context.file.size()};
+    if (json.size == 0)
+        fail_import(STATUS_FORMAT, "the file is empty");
+    if (json.size >= 4 && read_u32(json.data) == GLB_MAGIC)
+        json = split_glb(context);
+    if (json.size >= 3 && memcmp(json.data, "\xef\xbb\xbf", 3) == 0)
+        json = {json.data + 3, json.size - 3};
+    if (json.size >= MAX_JSON_SIZE)
+        fail_import(STATUS_LIMIT, "%zu bytes of JSON text; move data out of it", json.size);
+    std::vector<bool> patched;
+    const std::string text =
+        rewrite_json(context, reinterpret_cast<const char *>(json.data), json.size, &patched);
+    context.loaded_buffers.resize(context.buffers.size());
+
+    tinygltf::TinyGLTF parser;
+    std::string errors;
+    std::string warnings;
+    const bool parsed = parser.LoadASCIIFromString(&context.model, &errors, &warnings, text.c_str(),
+                                                   static_cast<unsigned>(text.size()), "");
+    check_version(context);
+    check_extensions(context);
+    forget_extra_view(context.model, patched);
+    const std::string real = real_errors(errors);
+    if (!real.empty())
+        fail_import(STATUS_FORMAT, "%s", real.c_str());
+    if (!parsed)
+        fail_import(STATUS_FORMAT, "not a glTF file");
 }

@@ -11,11 +11,8 @@
 
 #include "scene/gltf_context.hpp"
 
-/** Reads context.path and fills file, binary_chunk, folder, model, buffers and images. */
+/** Reads context.path and fills file, binary_chunk, folder, model, buffers and images. Refuses
+ * required extensions that are not implemented, and versions other than 2. */
 void load_document(import_context &context);
-
-/** Refuses required extensions that are not implemented; warns of optional ones and of glTF
- * versions other than 2. */
-void check_extensions(import_context &context);
 
 #endif

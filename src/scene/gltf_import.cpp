@@ -34,6 +34,8 @@ static void import_scene(import_context &context)
     context.material_used.back() = context.model.materials.empty();
     place_nodes(context);
     place_contents(context, scene_nodes(context));
+    if (context.instances.empty())
+        warn_once(context, "empty", "it shows no triangles");
     load_materials(context);
 
     store(context, context.meshes, &scene->meshes, &scene->mesh_count);

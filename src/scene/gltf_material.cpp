@@ -181,6 +181,18 @@ static void read_specular(import_context &context, texture_collector *collector,
         context, collector, extension_texture(source, "specularColorTexture", owner), owner);
 }
 
+// KHR_materials_ior: folded into the specular colour, which scales the reflectance 0.04 of the
+// default index 1.5.
+static void read_ior(const tinygltf::Value &source, const std::string &owner, scene_material &out)
+{
+    const double ior = number_member(source, "ior", 1.5, owner);
+    if (ior != 0.0 && !(ior >= 1.0))
+        fail_import(STATUS_FORMAT, "%s: ior %g is neither 0 nor at least 1", owner.c_str(), ior);
+    const double root = (ior - 1.0) / (ior + 1.0);
+    for (float &factor : out.specular_color)
+        factor = finite_float(factor * root * root / 0.04, owner, "ior");
+}
+
 static void read_emission(import_context &context, texture_collector *collector,
                           const tinygltf::Material &source, const std::string &owner,
                           scene_material &out)
@@ -226,6 +238,9 @@ static scene_material convert(import_context &context, texture_collector *collec
         read_metallic_roughness(context, collector, source.pbrMetallicRoughness, owner, out);
     if (glossiness == nullptr && specular != nullptr)
         read_specular(context, collector, *specular, owner, out);
+    const tinygltf::Value *ior = find_extension(extensions, "KHR_materials_ior");
+    if (glossiness == nullptr && ior != nullptr)
+        read_ior(*ior, owner, out);
     read_emission(context, collector, source, owner, out);
     read_alpha(context, source, owner, out);
     out.double_sided = source.doubleSided;

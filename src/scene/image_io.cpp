@@ -80,8 +80,8 @@ static enum status decode(uint8_t **rgba, uint32_t *width, uint32_t *height, con
 {
     const char *format = format_of(bytes, size);
     if (format == nullptr)
-        return status_fail(STATUS_FORMAT, "%s: its %zu bytes are no PNG, JPEG or WebP image", name,
-                           size);
+        return status_fail(STATUS_FORMAT, "%s: it is no PNG, JPEG or WebP image; convert it to one",
+                           name);
     OIIO::Filesystem::IOMemReader reader(const_cast<uint8_t *>(bytes), size);
     ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
