@@ -55,11 +55,11 @@ static void format_time(char *text, size_t size, double seconds)
 static void format_line(char *text, size_t size, const struct lk_progress *now)
 {
     char elapsed[32];
-    char remaining[48] = "";
-    char speed[96] = "";
+    char remaining[64] = "";
+    char speed[512] = "";
     format_time(elapsed, sizeof(elapsed), now->elapsed_s);
     if (now->remaining_s >= 0.0) {
-        format_time(remaining, sizeof(remaining) - 8, now->remaining_s);
+        format_time(remaining, sizeof(remaining) - 16, now->remaining_s);
         strcat(remaining, " left, ");
     }
     if (now->spp > 0.0)
@@ -74,7 +74,7 @@ bool progress_report(void *user, const struct lk_progress *now)
 {
     struct progress *progress = user;
     if (!progress->quiet) {
-        char line[256];
+        char line[768];
         format_line(line, sizeof(line), now);
         if (progress->terminal) {
             // A line that wraps cannot be rewritten: cut it to the window.
