@@ -50,6 +50,42 @@ static const char *format_of(const uint8_t *bytes, size_t size)
     return nullptr;
 }
 
+// Has a PNG all its chunks? libpng reports a missing rest on stderr and leaves by longjmp.
+static bool is_complete_png(const uint8_t *bytes, size_t size)
+{
+    size_t at = 8;
+    while (size - at >= 12) {
+        const size_t length = (size_t)bytes[at] << 24 | (size_t)bytes[at + 1] << 16 |
+                              (size_t)bytes[at + 2] << 8 | bytes[at + 3];
+        if (length > size - at - 12)
+            return false;
+        if (memcmp(bytes + at + 4, "IEND", 4) == 0)
+            return true;
+        at += length + 12;
+    }
+    return false;
+}
+
+// Does the last scan of a JPEG have an end? libjpeg fills a missing rest with grey. Neither marker
+// occurs within a scan.
+static bool is_complete_jpeg(const uint8_t *bytes, size_t size)
+{
+    for (size_t at = size - 1; at-- > 0;) {
+        if (bytes[at] == 0xff && bytes[at + 1] == 0xd9)
+            return true;
+        if (bytes[at] == 0xff && bytes[at + 1] == 0xda)
+            return false;
+    }
+    return false;
+}
+
+static bool is_complete(const char *format, const uint8_t *bytes, size_t size)
+{
+    if (strcmp(format, "png") == 0)
+        return is_complete_png(bytes, size);
+    return strcmp(format, "jpeg") != 0 || is_complete_jpeg(bytes, size);
+}
+
 // Spreads 1 to 4 channels to RGBA.
 static void expand_to_rgba(uint8_t *rgba, const uint8_t *pixels, size_t count, int channels)
 {
@@ -82,6 +118,8 @@ static enum status decode(uint8_t **rgba, uint32_t *width, uint32_t *height, con
     if (format == nullptr)
         return status_fail(STATUS_FORMAT, "%s: it is no PNG, JPEG or WebP image; convert it to one",
                            name);
+    if (!is_complete(format, bytes, size))
+        return status_fail(STATUS_FORMAT, "%s: the image is cut short", name);
     OIIO::Filesystem::IOMemReader reader(const_cast<uint8_t *>(bytes), size);
     ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
