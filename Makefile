@@ -33,8 +33,10 @@ CLI_OBJ  := $(call object,$(filter-out src/main.c,$(CLI_SRC)))
 TESTS    := $(TEST_SRC:%.c=$(B)/%)
 STATIC   := $(B)/cli.a $(B)/liblightkiln.a
 CL       := $(wildcard cl/*.cl)
+TEST_CL  := $(wildcard tests/device/*.cl)
+HELP_OBJ := $(call object,$(HELP_SRC)) $(B)/gen/test_cl_sources.o
 HEADERS  := $(wildcard include/*/*.h src/*.h src/*/*.h src/*/*.hpp tests/*.h tests/*/*.h)
-FORMATTED := $(wildcard src/*.c src/*/*.c src/*/*.cpp tests/*.c tests/*/*.c cl/*.cl cl/*/*.h) $(HEADERS)
+FORMATTED := $(wildcard src/*.c src/*/*.c src/*/*.cpp tests/*.c tests/*/*.c cl/*.cl cl/*/*.h) $(TEST_CL) $(HEADERS)
 
 .PHONY: all demo test test-device run-tests lint asan format install portable clean help setup FORCE
 .DELETE_ON_ERROR:
@@ -94,6 +96,10 @@ $(B)/gen/cl_sources.c: scripts/embed_cl $(CL) $(wildcard cl/lib/*.h include/shar
 	$(call say,EMBED,cl/*.cl)
 	$(Q)mkdir -p $(@D)
 	$(Q)scripts/embed_cl $(CL) > $@
+$(B)/gen/test_cl_sources.c: scripts/embed_cl $(TEST_CL) $(CL) $(wildcard tests/device/*.h cl/lib/*.h include/shared/*.h)
+	$(call say,EMBED,tests/device/*.cl)
+	$(Q)mkdir -p $(@D)
+	$(Q)EMBED_PREFIX=test_ scripts/embed_cl $(TEST_CL) > $@
 
 # Archives and links depend on the flags, too, so that a source that is gone leaves no object behind.
 $(B)/liblightkiln.a: $(LIB_OBJ) $(B)/flags
@@ -109,17 +115,17 @@ $(B)/$(SONAME): $(LIB_OBJ) src/exports.map
 $(B)/lightkiln: $(B)/src/main.o $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LINK) -o $@ $^ $(LIBS)
-$(B)/tests/%: $(B)/tests/%.o $(call object,$(HELP_SRC)) $(STATIC)
+$(B)/tests/%: $(B)/tests/%.o $(HELP_OBJ) $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LINK) -o $@ $^ -lcmocka $(LIBS)
 $(call object,$(TEST_SRC) $(HELP_SRC)): ALL_CFLAGS += -Itests
 
--include $(patsubst %.o,%.d,$(LIB_OBJ) $(CLI_OBJ) $(B)/src/main.o $(call object,$(TEST_SRC) $(HELP_SRC)))
+-include $(patsubst %.o,%.d,$(LIB_OBJ) $(CLI_OBJ) $(B)/src/main.o $(HELP_OBJ) $(call object,$(TEST_SRC)))
 
 # ---- keep
 
 lint: setup $(B)/gen/version.h ## Checks kernels, headers, include rules and format
-	$(Q)C='$(CC) $(ALL_CFLAGS)' CPP='$(CXX) $(ALL_CXXFLAGS)' scripts/lint $(CL) $(wildcard cl/lib/*.h) $(HEADERS)
+	$(Q)C='$(CC) $(ALL_CFLAGS)' CPP='$(CXX) $(ALL_CXXFLAGS)' scripts/lint $(CL) $(TEST_CL) $(wildcard cl/lib/*.h) $(HEADERS)
 	$(call say,LAYERS,src)
 	$(Q)scripts/check_layers
 	$(call say,FORMAT,)
