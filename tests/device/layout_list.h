@@ -1,0 +1,73 @@
+/**
+ * @file
+ * Every struct of include/shared/ with its members, in order, for host and device.
+ */
+#ifndef TESTS_DEVICE_LAYOUT_LIST_H
+#define TESTS_DEVICE_LAYOUT_LIST_H
+
+#include "shared/bvh.h"
+#include "shared/camera.h"
+#include "shared/film.h"
+#include "shared/geometry.h"
+#include "shared/light.h"
+#include "shared/material.h"
+#include "shared/oct.h"
+#include "shared/path.h"
+#include "shared/ray.h"
+#include "shared/rng.h"
+#include "shared/settings.h"
+#include "shared/zorder.h"
+
+// clang-format off
+// S(struct), then M(struct, member) for each of its members
+#define LAYOUT_LIST(S, M)                                                                          \
+    S(bvh_node)                                                                                    \
+    M(bvh_node, row0) M(bvh_node, row1) M(bvh_node, row2) M(bvh_node, row3)                        \
+    S(woop)                                                                                        \
+    M(woop, row_w) M(woop, row_u) M(woop, row_v)                                                   \
+    S(camera)                                                                                      \
+    M(camera, org) M(camera, corner) M(camera, right) M(camera, down) M(camera, forward)           \
+    M(camera, width) M(camera, height) M(camera, orthographic) M(camera, pad0)                     \
+    S(film_pixel)                                                                                  \
+    M(film_pixel, sum) M(film_pixel, carry)                                                        \
+    S(vertex)                                                                                      \
+    M(vertex, pos_normal) M(vertex, uv)                                                            \
+    S(triangle)                                                                                    \
+    M(triangle, v0) M(triangle, v1) M(triangle, v2) M(triangle, material)                          \
+    S(light)                                                                                       \
+    M(light, org_range) M(light, color_kind) M(light, edge_u) M(light, edge_v)                     \
+    S(directional_light)                                                                           \
+    M(directional_light, dir) M(directional_light, color)                                          \
+    S(light_node)                                                                                  \
+    M(light_node, lo_left) M(light_node, hi_child)                                                 \
+    S(texture_slot)                                                                                \
+    M(texture_slot, uv_matrix) M(texture_slot, uv_offset) M(texture_slot, texel_first)             \
+    M(texture_slot, size) M(texture_slot, flags)                                                   \
+    M(texture_slot, pad0) M(texture_slot, pad1) M(texture_slot, pad2)                              \
+    S(material)                                                                                    \
+    M(material, base) M(material, emission) M(material, specular)                                  \
+    M(material, metallic) M(material, roughness) M(material, glossiness) M(material, flags)        \
+    M(material, textures)                                                                          \
+    S(batch)                                                                                       \
+    M(batch, first_pixel) M(batch, first_sample) M(batch, count) M(batch, pixel_count)             \
+    S(path)                                                                                        \
+    M(path, throughput_pdf) M(path, radiance_flags)                                                \
+    S(shade)                                                                                       \
+    M(shade, org_normal) M(shade, diffuse_alpha) M(shade, f0_f90) M(shade, throughput_f)           \
+    M(shade, normal) M(shade, view) M(shade, dielectric_f90) M(shade, flags)                       \
+    S(counters)                                                                                    \
+    M(counters, active) M(counters, trace_head) M(counters, direct_head)                           \
+    M(counters, directional_head) M(counters, shadow_rays)                                         \
+    M(counters, pad0) M(counters, pad1) M(counters, pad2)                                          \
+    S(ray)                                                                                         \
+    M(ray, org_tmin) M(ray, dir_tmax)                                                              \
+    S(hit)                                                                                         \
+    M(hit, t) M(hit, u) M(hit, v) M(hit, triangle)                                                 \
+    S(settings)                                                                                    \
+    M(settings, seed) M(settings, depth) M(settings, shadow_rays) M(settings, light_sampler)       \
+    M(settings, quantity) M(settings, light_count) M(settings, directional_count)                  \
+    M(settings, material_count) M(settings, emitter_count)                                         \
+    M(settings, pad0) M(settings, pad1) M(settings, pad2)
+// clang-format on
+
+#endif
