@@ -14,7 +14,7 @@ COMMIT   := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || e
 
 PACKAGES := OpenImageIO OpenCL tinygltf
 OPTIMISE ?= -O2
-WARN     ?= -Wall -Wextra -Werror
+WARN     ?= -Wall -Wextra -Werror -Wno-format-truncation # snprintf is used to cut
 COMMON   := $(OPTIMISE) $(WARN) -fopenmp -fvisibility=hidden -fPIC $(SANITIZE) \
             -D_GNU_SOURCE -Iinclude -Isrc -I$(B)/gen $(shell pkg-config --cflags $(PACKAGES) 2>/dev/null)
 ALL_CFLAGS   := -std=c11 $(COMMON) $(CFLAGS)
