@@ -65,7 +65,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
                 light = min((uint)(rng_unit(bits.x) * (float)light_count), light_count - 1);
                 expected = (float)ray_count / (float)light_count;
             } else if (sampler == LIGHT_SAMPLER_TREE) {
-                light = light_tree_draw(&expected, light_nodes, p, rng_unit(bits.x));
+                light = light_tree_draw(&expected, light_nodes, p, bits.x);
                 expected *= (float)ray_count;
                 if (light == EMITTER_NONE)
                     continue;

@@ -5,7 +5,7 @@
 //   next  sort
 //
 // Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
-// NODES_IMAGE reads nodes through a 1D texture; ALPHA_MASKS tests alpha at candidate hits.
+// NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials whether they let a ray by.
 
 #include "lib/queue.h"
 #include "lib/traverse.h"

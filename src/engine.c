@@ -285,7 +285,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
     info->time_s.upload = clock_seconds() - start;
 
     start = clock_seconds();
-    options.alpha_masks = r->scene.alpha_masks;
+    options.alpha = r->scene.alpha;
     if (status == STATUS_OK)
         status = pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options);
     if (status == STATUS_OK)

@@ -7,6 +7,7 @@
 
 #include "lib/surface.h"
 #include "shared/light.h"
+#include "shared/rng.h"
 #include "shared/settings.h"
 
 // What one light sends to a point, by one sample of it.
@@ -25,12 +26,14 @@ static inline bool light_node_holds(__global const struct light_node *node, cons
 }
 
 // Descends from the root to one light without a stack; where both children hold the point, one is
-// drawn. One random number is enough: what is left of it after a choice is uniform again.
+// drawn, each time with the next number of a linear congruential sequence: one random number cut up
+// further and further would run out of bits in a deep tree, and its lights would never be drawn.
 //
-//   pmf  out: probability of this light
+//   pmf   out: probability of this light
+//   bits  32 random bits
 // Returns the light's index, or EMITTER_NONE where no light reaches.
 static inline uint light_tree_draw(float *pmf, __global const struct light_node *nodes,
-                                   const float3 p, float u)
+                                   const float3 p, uint bits)
 {
     *pmf = 1.0f;
     uint node = 0;
@@ -47,9 +50,8 @@ static inline uint light_tree_draw(float *pmf, __global const struct light_node 
         bool take_left = left;
         if (left && right) {
             const float share = nodes[node].lo_left.w;
-            take_left = u < share;
-            u = take_left ? u / share : (u - share) / (1.0f - share);
-            u = min2(u, 0.99999994f);
+            take_left = rng_unit(bits) < share;
+            bits = bits * 747796405u + 2891336453u;
             *pmf *= take_left ? share : 1.0f - share;
         }
         node = take_left ? node + 1 : child;
@@ -86,20 +88,19 @@ static inline float light_window(const float distance, const float range)
     return max2(min2(1.0f - x * x * x * x, 1.0f), 0.0f);
 }
 
-// Emission of a triangle light at (s, t) on it: 0 where its alpha mask cuts it out.
+// Emission of a triangle light at (s, t) on it, as far as it is there.
 static inline float3 light_triangle_emission(const struct surface *surface, const uint triangle,
                                              const float3 factor, const float s, const float t)
 {
     const struct triangle tri = surface->triangles[triangle];
     __global const struct texture_slot *slot =
         &surface->materials[tri.material].textures[TEXTURE_EMISSIVE];
-    if (!surface_is_solid(surface, triangle, s, t))
-        return (float3)(0.0f);
-    if (!(slot->flags & TEXTURE_PRESENT))
-        return factor;
+    const float3 emission = factor * surface_coverage(surface, triangle, s, t);
+    if (!(slot->flags & TEXTURE_PRESENT) || max3(emission) <= 0.0f)
+        return emission;
     const float4 uv = surface_blend(surface->vertices[tri.v0].uv, surface->vertices[tri.v1].uv,
                                     surface->vertices[tri.v2].uv, s, t);
-    return factor * texture_fetch_pool(surface->texels, slot, uv).xyz;
+    return emission * texture_fetch_pool(surface->texels, slot, uv).xyz;
 }
 
 // Samples one light from p. Radiance is 0 where nothing comes.

@@ -10,6 +10,7 @@
 #include "lib/texture.h"
 #include "shared/geometry.h"
 #include "shared/material.h"
+#include "shared/rng.h"
 
 // Everything needed to ask about a surface; built at the head of a kernel from its arguments.
 struct surface {
@@ -43,22 +44,37 @@ static inline float4 surface_color(const struct surface *s, const struct triangl
                          surface_unpack_color(s->colors[tri.v2]), u, v);
 }
 
-// Whether the triangle is there at this point, as far as its alpha cut-off goes.
-static inline bool surface_is_solid(const struct surface *s, const uint triangle, const float u,
-                                    const float v)
+// How much of the triangle is there at this point: 0 or 1 by an alpha cut-off, or alpha itself.
+static inline float surface_coverage(const struct surface *s, const uint triangle, const float u,
+                                     const float v)
 {
     const struct triangle tri = s->triangles[triangle];
     __global const struct material *material = &s->materials[tri.material];
     const uint flags = material->flags;
-    if (!(flags & MATERIAL_MASKED))
-        return true;
+    if (!(flags & (MATERIAL_MASKED | MATERIAL_BLENDED)))
+        return 1.0f;
     const float4 uv =
         surface_blend(s->vertices[tri.v0].uv, s->vertices[tri.v1].uv, s->vertices[tri.v2].uv, u, v);
     float alpha = material->base.w;
     alpha *= texture_fetch_pool(s->texels, &material->textures[TEXTURE_BASE], uv).w;
     if (flags & MATERIAL_VERTEX_COLOR)
         alpha *= surface_color(s, tri, u, v).w;
-    return alpha >= material->emission.w;
+    if (flags & MATERIAL_MASKED)
+        return alpha >= material->emission.w ? 1.0f : 0.0f;
+    return alpha;
+}
+
+// Whether a ray meets the triangle at this point. Where it is partly there, that share of rays
+// does, drawn by a number that ray and triangle alone decide: the same for every traversal.
+static inline bool surface_meets(const struct surface *s, const uint triangle, const float u,
+                                 const float v, const float3 org, const float3 dir)
+{
+    const float coverage = surface_coverage(s, triangle, u, v);
+    if (coverage >= 1.0f || coverage <= 0.0f)
+        return coverage > 0.0f;
+    uint bits = rng_mix(triangle ^ rng_mix(as_uint(org.x) ^ rng_mix(as_uint(org.y))));
+    bits = rng_mix(as_uint(dir.x) ^ rng_mix(as_uint(dir.y) ^ rng_mix(as_uint(dir.z) ^ bits)));
+    return rng_unit(bits) < coverage;
 }
 
 // Where rays that leave a surface start: far enough off it on the side of the normal that the

@@ -4,8 +4,8 @@
  *
  * Source: T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009: the
  * while-while loop, both siblings tested together, the nearer first; Woop's test at the leaves.
- * Differs from it: the stack lies in private memory, and an alpha-tested triangle is asked whether
- * it is there before it counts as a hit.
+ * Differs from it: the stack lies in private memory, and a triangle whose material lets some rays
+ * by is asked whether it meets this one before it counts as a hit.
  */
 #ifndef LIB_TRAVERSE_H
 #define LIB_TRAVERSE_H
@@ -34,7 +34,7 @@ static inline float traverse_safe(const float x)
 // Finds what the ray hits between tmin and tmax.
 //
 //   any_hit  constant: true: some hit, as soon as there is one; false: the nearest
-//   surface  for alpha tests; read only where a reference is BVH_REF_MASKED
+//   surface  for alpha; read only where a reference is BVH_REF_ALPHA
 static inline struct hit traverse(BVH_NODES nodes, __global const struct woop *restrict woop,
                                   __global const uint *restrict refs, const struct surface *surface,
                                   const float3 org, const float3 dir, const float tmin,
@@ -123,9 +123,9 @@ static inline struct hit traverse(BVH_NODES nodes, __global const struct woop *r
                 if (!(v >= 0.0f && u + v <= 1.0f))
                     continue;
                 const uint ref = refs[i];
-#if ALPHA_MASKS
-                if ((ref & BVH_REF_MASKED) &&
-                    !surface_is_solid(surface, ref & BVH_REF_TRIANGLE, u, v))
+#if ALPHA
+                if ((ref & BVH_REF_ALPHA) &&
+                    !surface_meets(surface, ref & BVH_REF_TRIANGLE, u, v, org, dir))
                     continue;
 #endif
                 hit.t = t;

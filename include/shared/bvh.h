@@ -18,8 +18,8 @@
 #define BVH_STACK_SIZE                                                                             \
     64u // entries of a traversal stack; the builder keeps trees shallower than this
 
-// refs[]: the triangle's index, and whether its material is alpha-tested.
-#define BVH_REF_MASKED   0x80000000u
+// refs[]: the triangle's index, and whether its material lets some rays by.
+#define BVH_REF_ALPHA    0x80000000u
 #define BVH_REF_TRIANGLE 0x7fffffffu
 
 // One inner node: the boxes of its two children.

@@ -50,6 +50,7 @@ SHARED_SIZE(texture_slot, 48);
 #define MATERIAL_EMITS_BACK          4u  // emits on both sides
 #define MATERIAL_UNLIT               8u  // shows its base colour, reflects nothing
 #define MATERIAL_VERTEX_COLOR        16u // multiply with vertex_colors[]
+#define MATERIAL_BLENDED             32u // alpha is the share of rays that meet it
 
 struct material {
     float4 base;     // rgb factor of base or diffuse colour, linear; a factor of alpha

@@ -50,6 +50,14 @@ static inline uint4 rng_bits(uint seed, uint pixel, uint sample, uint dimension)
     return v;
 }
 
+// Mixes 32 bits into others (M. O'Neill's PCG output function, as in Jarzynski and Olano's pcg).
+static inline uint rng_mix(uint v)
+{
+    const uint state = v * 747796405u + 2891336453u;
+    const uint word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;
+    return (word >> 22) ^ word;
+}
+
 // Maps 32 random bits to [0, 1): the upper 24, so that the result is exact and never 1.
 static inline float rng_unit(uint bits)
 {

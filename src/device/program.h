@@ -23,7 +23,7 @@
 struct program_options {
     bool persistent;     // trace, direct, directional: work from a queue
     bool nodes_image;    // BVH nodes through a 1D texture
-    bool alpha_masks;    // the scene has alpha-tested materials
+    bool alpha;          // the scene has materials that let rays by
     bool textures_bound; // material: one launch a material, its textures as images
     bool brdf_phong;     // the thesis's BSDF
     bool no_cache;       // build from source

@@ -141,7 +141,7 @@ static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
         status = upload_images(out, gpu, set);
     out->material_count = set->material_count;
     for (uint32_t i = 0; i < set->material_count; i++)
-        out->alpha_masks |= (set->materials[i].flags & MATERIAL_MASKED) != 0;
+        out->alpha |= (set->materials[i].flags & (MATERIAL_MASKED | MATERIAL_BLENDED)) != 0;
     return status;
 }
 

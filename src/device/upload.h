@@ -43,7 +43,7 @@ struct device_scene {
     struct buffer lights, light_nodes, light_parents, light_leaves, directional;
     uint32_t material_count, light_count, directional_count;
     uint32_t emitter_count; // lights that a ray can hit
-    bool alpha_masks;       // some material is alpha-tested
+    bool alpha;             // some material lets rays by
 };
 
 /** What upload() will take on the device, images apart. */

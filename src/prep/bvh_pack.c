@@ -85,7 +85,9 @@ static void pack_refs(struct packed_bvh *packed, const struct bvh *bvh, const st
         for (int k = 0; k < 3; k++)
             memcpy(p[k], &geometry->vertices[corner[k]].pos_normal, sizeof(p[k]));
         woop_build(&packed->woop[i], p[0], p[1], p[2]);
-        packed->refs[i] = index | (materials[triangle->material].masked ? BVH_REF_MASKED : 0u);
+        const struct scene_material *material = &materials[triangle->material];
+        const bool passes = material->masked || material->blended;
+        packed->refs[i] = index | (passes ? BVH_REF_ALPHA : 0u);
     }
 }
 

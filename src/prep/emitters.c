@@ -189,7 +189,7 @@ static bool add_rectangle(struct collector *collector, uint32_t triangle)
     const uint32_t material = geometry->triangles[triangle].material;
     const struct scene_material *source = &collector->scene->materials[material];
     if (geometry->triangles[triangle + 1].material != material || source->masked ||
-        source->emissive_texture.texture != SCENE_NONE)
+        source->blended || source->emissive_texture.texture != SCENE_NONE)
         return false;
 
     double a[3][3], b[3][3], corner[3], u[3], v[3];

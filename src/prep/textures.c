@@ -83,6 +83,7 @@ static void pack_material(struct material *out, const struct scene *scene,
         .glossiness = material->glossiness,
         .flags = (material->specular_glossiness ? MATERIAL_SPECULAR_GLOSSINESS : 0u) |
                  (material->masked ? MATERIAL_MASKED : 0u) |
+                 (material->blended ? MATERIAL_BLENDED : 0u) |
                  (material->double_sided ? MATERIAL_EMITS_BACK : 0u) |
                  (material->unlit ? MATERIAL_UNLIT : 0u),
     };

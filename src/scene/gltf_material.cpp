@@ -209,15 +209,13 @@ static void read_emission(import_context &context, texture_collector *collector,
         make_use(context, collector, core_texture(source.emissiveTexture), owner);
 }
 
-static void read_alpha(import_context &context, const tinygltf::Material &source,
-                       const std::string &owner, scene_material &out)
+static void read_alpha(const tinygltf::Material &source, const std::string &owner,
+                       scene_material &out)
 {
     out.masked = source.alphaMode == "MASK";
     out.alpha_cutoff = positive_factor(source.alphaCutoff, owner, "alphaCutoff");
-    if (source.alphaMode == "BLEND")
-        warn_once(context, "blend", "%s: alphaMode BLEND is drawn opaque; use MASK for cut-outs",
-                  owner.c_str());
-    else if (!out.masked && source.alphaMode != "OPAQUE")
+    out.blended = source.alphaMode == "BLEND";
+    if (!out.masked && !out.blended && source.alphaMode != "OPAQUE")
         fail_import(STATUS_FORMAT, "%s: alphaMode \"%s\" does not exist", owner.c_str(),
                     source.alphaMode.c_str());
 }
@@ -242,7 +240,7 @@ static scene_material convert(import_context &context, texture_collector *collec
     if (glossiness == nullptr && ior != nullptr)
         read_ior(*ior, owner, out);
     read_emission(context, collector, source, owner, out);
-    read_alpha(context, source, owner, out);
+    read_alpha(source, owner, out);
     out.double_sided = source.doubleSided;
     out.unlit = find_extension(extensions, "KHR_materials_unlit") != nullptr;
     if (source.normalTexture.index >= 0 && collector != nullptr)

@@ -52,6 +52,7 @@ struct scene_material {
     float specular_strength; // specularFactor of KHR_materials_specular, 1 if absent
     float glossiness;        // 0 .. 1
     float emission[3];       // emissiveFactor times KHR_materials_emissive_strength
+    bool blended;            // alphaMode BLEND
     bool masked;             // alphaMode MASK
     float alpha_cutoff;
     bool double_sided;

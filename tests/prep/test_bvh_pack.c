@@ -201,7 +201,7 @@ static void references_name_their_triangle_and_mask(void **state)
         const uint32_t word = fixture.packed.refs[i];
         const uint32_t triangle = fixture.refs[fixture.bvh.order[i]].triangle;
         assert_int_equal(word & BVH_REF_TRIANGLE, triangle);
-        assert_int_equal((word & BVH_REF_MASKED) != 0, triangle % 3 == 0);
+        assert_int_equal((word & BVH_REF_ALPHA) != 0, triangle % 3 == 0);
     }
     release(&fixture);
 }
