@@ -30,7 +30,7 @@ void warn_once(import_context &context, const char *kind, const char *format, ..
     va_start(args, format);
     vsnprintf(text, sizeof(text), format, args);
     va_end(args);
-    log_message(LOG_WARNING, "%s: %s", context.path, text);
+    log_message(LOG_WARNING, "%s: %s", context.name, text);
 }
 
 const char *arena_text(import_context &context, const std::string &text)

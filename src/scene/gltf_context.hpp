@@ -64,7 +64,8 @@ struct node_pose {
 };
 
 struct import_context {
-    const char *path = nullptr; // as given, for messages
+    const char *path = nullptr; // as given
+    const char *name = nullptr; // for messages: the path, or "standard input"
     std::string folder;         // of external files, ends with '/'; "" for the working directory
     bool has_folder = false;    // false: standard input, nothing external can be read
     std::vector<uint8_t> file;  // the file's own bytes

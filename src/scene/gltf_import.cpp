@@ -1,3 +1,4 @@
+#include <cstring>
 #include <new>
 #include <stdexcept>
 
@@ -50,21 +51,23 @@ enum status gltf_import(struct scene *out, const char *path)
 {
     struct scene scene = {};
     enum status status = STATUS_OK;
+    const char *const name = strcmp(path, "-") == 0 ? "standard input" : path;
     try {
         import_context context;
         context.path = path;
+        context.name = name;
         context.scene = &scene;
         import_scene(context);
     } catch (const import_failure &failure) {
-        status = status_fail(failure.code, "%s: %s", path, failure.message.c_str());
+        status = status_fail(failure.code, "%s: %s", name, failure.message.c_str());
     } catch (const std::bad_alloc &) {
-        status = status_fail(STATUS_NO_MEMORY, "%s: it does not fit", path);
+        status = status_fail(STATUS_NO_MEMORY, "%s: it does not fit", name);
     } catch (const std::length_error &) {
-        status = status_fail(STATUS_NO_MEMORY, "%s: it does not fit", path);
+        status = status_fail(STATUS_NO_MEMORY, "%s: it does not fit", name);
     } catch (const std::exception &error) {
-        status = status_fail(STATUS_FORMAT, "%s: %s", path, error.what());
+        status = status_fail(STATUS_FORMAT, "%s: %s", name, error.what());
     } catch (...) {
-        status = status_fail(STATUS_FORMAT, "%s: it cannot be understood", path);
+        status = status_fail(STATUS_FORMAT, "%s: it cannot be understood", name);
     }
     if (status == STATUS_OK)
         *out = scene; // the caller owns it now

@@ -216,6 +216,28 @@ static enum status import_glb(struct scene *scene, const uint8_t *glb, size_t si
     return gltf_import(scene, path);
 }
 
+static void standard_input_is_a_file_without_a_folder(void **state)
+{
+    (void)state;
+    uint8_t glb[4096];
+    const size_t size = make_glb(glb);
+    struct scene scene;
+    assert_int_equal(import_glb(&scene, glb, size), STATUS_OK);
+    scene_free(&scene);
+    char path[128];
+    snprintf(path, sizeof(path), "%s/test.glb", gltf_folder);
+    assert_non_null(freopen(path, "rb", stdin));
+    assert_int_equal(gltf_import(&scene, "-"), STATUS_OK);
+    assert_int_equal(scene.meshes[0].triangle_count, 2);
+    scene_free(&scene);
+
+    assert_int_equal(import_members(&scene, TRIANGLES), STATUS_OK);
+    scene_free(&scene);
+    assert_non_null(freopen(gltf_path, "rb", stdin));
+    assert_int_equal(gltf_import(&scene, "-"), STATUS_IO);
+    assert_non_null(strstr(status_message(), "standard input"));
+}
+
 static void every_cut_of_a_glb_is_refused(void **state)
 {
     (void)state;
@@ -255,6 +277,7 @@ int main(void)
         cmocka_unit_test(a_missing_texture_names_its_material),
         cmocka_unit_test(optional_extensions_are_told_once),
         cmocka_unit_test(deep_text_is_refused_and_deep_nodes_load),
+        cmocka_unit_test(standard_input_is_a_file_without_a_folder),
         cmocka_unit_test(every_cut_of_a_glb_is_refused),
         cmocka_unit_test(a_changed_byte_never_crashes),
     };
