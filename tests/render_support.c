@@ -67,6 +67,19 @@ double render_mean(struct lk_scene *scene, const struct lk_settings *settings)
     return mean;
 }
 
+struct rgb render_rgb(struct lk_scene *scene, const struct lk_settings *settings)
+{
+    struct lk_image *image = render(scene, settings);
+    uint32_t width, height;
+    const float *pixels = lk_image_pixels(image, &width, &height);
+    const size_t count = (size_t)width * height;
+    struct rgb mean = {{0.0, 0.0, 0.0}};
+    for (size_t i = 0; i < 3 * count; i++)
+        mean.v[i % 3] += pixels[i] / (double)count;
+    lk_image_free(image);
+    return mean;
+}
+
 struct estimate estimate_values(const double *values, uint32_t count)
 {
     double mean = 0.0;

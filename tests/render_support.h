@@ -19,6 +19,11 @@ struct estimate {
     double error; // standard error of the mean
 };
 
+/** A colour. */
+struct rgb {
+    double v[3];
+};
+
 /** Skips the running test, saying so, if no OpenCL device is there. */
 void skip_without_device(void);
 
@@ -33,6 +38,9 @@ double image_mean(const struct lk_image *image);
 
 /** Renders and returns the mean over pixels and channels. */
 double render_mean(struct lk_scene *scene, const struct lk_settings *settings);
+
+/** Renders and returns the mean of each channel. */
+struct rgb render_rgb(struct lk_scene *scene, const struct lk_settings *settings);
 
 /** Renders and estimates the mean from the pixels, which must all look at the same: as where the
  * camera sees a point. */
