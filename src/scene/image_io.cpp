@@ -100,6 +100,19 @@ static void expand_to_rgba(uint8_t *rgba, const uint8_t *pixels, size_t count, i
     }
 }
 
+// Divides colours by alpha, for a reader that multiplies though it is asked not to.
+static void divide_by_alpha(uint8_t *rgba, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint8_t *const texel = rgba + i * 4;
+        const unsigned alpha = texel[3];
+        for (int c = 0; c < 3 && alpha != 0; c++) {
+            const unsigned value = (texel[c] * 255u + alpha / 2) / alpha;
+            texel[c] = static_cast<uint8_t>(value < 255 ? value : 255);
+        }
+    }
+}
+
 static enum status check_size(const ImageSpec &spec, const char *name)
 {
     if (spec.width < 1 || spec.height < 1 || spec.width > MAX_SIDE || spec.height > MAX_SIDE ||
@@ -146,6 +159,12 @@ static enum status decode(uint8_t **rgba, uint32_t *width, uint32_t *height, con
         return status_fail(STATUS_FORMAT, "%s: %s", name, input->geterror().c_str());
     if (channels != 4)
         expand_to_rgba(out.get(), target, count, channels);
+    // OpenImageIO 2.4 multiplies WebP by alpha whatever the configuration says, and does not mark
+    // it.
+    const bool is_multiplied = strcmp(format, "webp") == 0 && channels == 4 &&
+                               spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
+    if (is_multiplied)
+        divide_by_alpha(out.get(), count);
     *width = static_cast<uint32_t>(spec.width);
     *height = static_cast<uint32_t>(spec.height);
     *rgba = out.release();

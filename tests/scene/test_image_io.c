@@ -150,6 +150,27 @@ static void decoding_inverts_quantising(void **state)
     free(bytes);
 }
 
+static void webp_colours_are_not_multiplied_by_alpha(void **state)
+{
+    (void)state;
+    // 4 x 4 texels of 200, 100, 50 with alpha 64, lossless.
+    static const uint8_t webp[] = {0x52, 0x49, 0x46, 0x46, 0x1e, 0x00, 0x00, 0x00, 0x57, 0x45,
+                                   0x42, 0x50, 0x56, 0x50, 0x38, 0x4c, 0x11, 0x00, 0x00, 0x00,
+                                   0x2f, 0x03, 0xc0, 0x00, 0x10, 0x07, 0x50, 0xb2, 0x22, 0x57,
+                                   0xa6, 0x40, 0x81, 0x88, 0xe8, 0x7f, 0x00, 0x00};
+    uint8_t *rgba = NULL;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    assert_int_equal(image_decode(&rgba, &width, &height, webp, sizeof(webp), "webp"), STATUS_OK);
+    assert_int_equal(width, 4);
+    // The reader's rounding at alpha 64 is half of 255 / 64.
+    assert_in_range(rgba[0], 198, 202);
+    assert_in_range(rgba[1], 98, 102);
+    assert_in_range(rgba[2], 48, 52);
+    assert_int_equal(rgba[3], 64);
+    free(rgba);
+}
+
 static void every_cut_of_an_image_is_refused(void **state)
 {
     (void)state;
@@ -205,6 +226,7 @@ int main(void)
         cmocka_unit_test(eight_bit_files_are_read_as_srgb),
         cmocka_unit_test(equal_pictures_are_equal_files),
         cmocka_unit_test(decoding_inverts_quantising),
+        cmocka_unit_test(webp_colours_are_not_multiplied_by_alpha),
         cmocka_unit_test(every_cut_of_an_image_is_refused),
         cmocka_unit_test(unknown_names_are_refused),
         cmocka_unit_test(an_unwritable_place_is_a_status),
