@@ -1,0 +1,178 @@
+/**
+ * @file
+ * Every variant of the trace kernel, and scenes uploaded for all of them.
+ */
+#ifndef TESTS_DEVICE_TRACE_FIXTURE_H
+#define TESTS_DEVICE_TRACE_FIXTURE_H
+
+#include "stage_support.h"
+#include "trace_oracle.h"
+#include "trace_rays.h"
+
+#define VARIANT_COUNT 9
+#define BLENDED_ALPHA 0.4
+#define RAYS          2100u
+#define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
+
+/** The materials of every scene. */
+enum { SOLID, CUT_OUT, BLENDED, MATERIALS };
+
+/** A variant of the trace kernel. */
+struct variant {
+    struct program_options options;
+    const char *source; // in tests/device/ or, if NULL, cl/trace.cl
+    struct trace trace;
+};
+
+static const struct variant all_variants[VARIANT_COUNT] = {
+    {.options = {0}},
+    {.options = {.alpha = true}},
+    {.options = {.persistent = true}},
+    {.options = {.persistent = true, .alpha = true}},
+    {.options = {.persistent = true, .alpha = true}, .source = "trace_warp"},
+    {.options = {.nodes_image = true}},
+    {.options = {.nodes_image = true, .alpha = true}},
+    {.options = {.nodes_image = true, .persistent = true}},
+    {.options = {.nodes_image = true, .persistent = true, .alpha = true}},
+};
+
+/** The group's state. */
+struct fixture {
+    struct gpu *gpu;
+    struct variant variants[VARIANT_COUNT];
+    uint32_t variant_count; // those through textures come last, and need images
+    struct program any_hit;
+    struct wavefront wavefront; // of RAYS paths
+};
+
+/** A scene on host and device. */
+struct trace_scene {
+    struct geometry geometry;
+    struct material materials[MATERIALS];
+    struct scene_material scene_materials[MATERIALS];
+    struct packed_bvh packed;
+    struct device_scene buffers, images; // nodes as a buffer and as a texture
+};
+
+static inline void build_variant(struct variant *variant, struct gpu *gpu)
+{
+    uint32_t built = 0;
+    if (variant->source == NULL) {
+        assert_ok(trace_build(&variant->trace, gpu, &variant->options, &built));
+        return;
+    }
+    struct program program = device_program(gpu, variant->source, &variant->options);
+    assert_ok(kernel_create(&variant->trace.kernel, gpu, &program, "trace"));
+    program_free(&program);
+}
+
+static inline struct fixture make_fixture(struct gpu *gpu)
+{
+    struct fixture f = {.gpu = gpu};
+    const struct program_options masks = {.alpha = true};
+    for (int i = 0; i < VARIANT_COUNT; i++) {
+        f.variants[i] = all_variants[i];
+        if (f.variants[i].options.nodes_image && !gpu->info.has_images)
+            break;
+        build_variant(&f.variants[i], gpu);
+        f.variant_count++;
+    }
+    f.any_hit = device_program(gpu, "any_hit", &masks);
+    f.wavefront = make_wavefront(gpu, RAYS, 1);
+    return f;
+}
+
+static inline void release_fixture(struct fixture *f)
+{
+    wavefront_free(f->gpu, &f->wavefront);
+    program_free(&f->any_hit);
+    for (uint32_t i = 0; i < f->variant_count; i++)
+        trace_free(&f->variants[i].trace);
+}
+
+/**
+ * Builds the BVH of a geometry and uploads both; takes the geometry over.
+ *
+ * @param split  Threshold of early split clipping, m2; 0: none.
+ */
+static inline void make_scene(struct trace_scene *out, const struct fixture *f,
+                              struct geometry geometry, float split)
+{
+    static const struct emitters no_emitters;
+    static const struct light_tree no_lights;
+    struct tri_ref *refs = NULL;
+    uint32_t ref_count = 0;
+    struct bvh bvh;
+    *out = (struct trace_scene){.geometry = geometry};
+    for (int i = 0; i < MATERIALS; i++)
+        out->materials[i].base.w = i == SOLID ? 1.0f : (float)BLENDED_ALPHA;
+    out->materials[CUT_OUT].emission.w = 0.5f; // cut-off
+    out->materials[CUT_OUT].flags = MATERIAL_MASKED;
+    out->materials[BLENDED].flags = MATERIAL_BLENDED;
+    out->scene_materials[CUT_OUT].masked = true;
+    out->scene_materials[BLENDED].blended = true;
+    assert_ok(presplit(&refs, &ref_count, &out->geometry, split));
+    assert_true(split == 0.0f || ref_count > geometry.triangle_count);
+    assert_ok(bvh_build(&bvh, refs, ref_count, 8));
+    assert_ok(bvh_pack(&out->packed, &bvh, refs, &out->geometry, out->scene_materials));
+    bvh_free(&bvh);
+    free(refs);
+
+    const struct material_set materials = {.materials = out->materials,
+                                           .material_count = MATERIALS};
+    const struct upload_source source = {&out->geometry, &out->packed, &no_emitters, &no_lights,
+                                         &materials};
+    assert_ok(upload(&out->buffers, f->gpu, &source, false, false));
+    if (f->gpu->info.has_images)
+        assert_ok(upload(&out->images, f->gpu, &source, true, false));
+}
+
+static inline void release_scene(struct trace_scene *scene, const struct fixture *f)
+{
+    device_scene_free(f->gpu, &scene->images);
+    device_scene_free(f->gpu, &scene->buffers);
+    packed_bvh_free(&scene->packed);
+    geometry_free(&scene->geometry);
+}
+
+/** Traces rays[0 .. RAYS) by the queue's first `count` slots; hits of other slots are UNTOUCHED. */
+static inline void run_variant(struct hit *hits, const struct fixture *f,
+                               const struct variant *variant, const struct trace_scene *scene,
+                               const struct ray *rays, const uint32_t *queue, uint32_t count)
+{
+    const struct wavefront *w = &f->wavefront;
+    for (uint32_t i = 0; i < RAYS; i++)
+        hits[i] = (struct hit){.triangle = UNTOUCHED};
+    assert_ok(buffer_write(f->gpu, &w->hits, hits, RAYS * sizeof(*hits)));
+    assert_ok(buffer_write(f->gpu, &w->rays, rays, RAYS * sizeof(*rays)));
+    assert_ok(buffer_write(f->gpu, &w->queue[1], queue, RAYS * sizeof(*queue)));
+    write_counters(f->gpu, w, 1, count);
+    const struct stage_context context = {
+        .gpu = f->gpu,
+        .scene = variant->options.nodes_image ? &scene->images : &scene->buffers,
+        .wavefront = w,
+        .batch = {.count = RAYS, .pixel_count = RAYS},
+        .bounce = 1,
+        .persistent = variant->options.persistent,
+    };
+    assert_ok(trace_enqueue(&variant->trace, &context));
+    assert_ok(buffer_read(f->gpu, &w->hits, hits, RAYS * sizeof(*hits)));
+}
+
+/** Asks for any hit of rays[0 .. RAYS). */
+static inline void run_any_hit(struct hit *hits, const struct fixture *f,
+                               const struct trace_scene *scene, const struct ray *rays)
+{
+    const struct device_scene *d = &scene->buffers;
+    const uint32_t count = RAYS;
+    assert_ok(buffer_write(f->gpu, &f->wavefront.rays, rays, RAYS * sizeof(*rays)));
+    const struct kernel_arg args[] = {
+        ARG_BUFFER(&d->nodes),          ARG_BUFFER(&d->woop),           ARG_BUFFER(&d->refs),
+        ARG_BUFFER(&d->vertices),       ARG_BUFFER(&d->triangles),      ARG_BUFFER(&d->materials),
+        ARG_BUFFER(&f->wavefront.rays), ARG_BUFFER(&f->wavefront.hits), ARG_VALUE(count),
+    };
+    DEVICE_RUN(f->gpu, &f->any_hit, "any_hit", args, count);
+    assert_ok(buffer_read(f->gpu, &f->wavefront.hits, hits, RAYS * sizeof(*hits)));
+}
+
+#endif
