@@ -58,4 +58,30 @@ struct light_node {
 };
 SHARED_SIZE(light_node, 32);
 
+// The 8-wide light BVH (prep/light_bvh.h).
+
+#define LIGHT_BVH_WIDTH 8u
+
+// A child word: LIGHT_BVH_LEAF | light index, or the index of a node, or LIGHT_BVH_EMPTY.
+#define LIGHT_BVH_LEAF  0x80000000u
+#define LIGHT_BVH_EMPTY 0xffffffffu
+#define LIGHT_BVH_ROOT  0xffffffffu // light_bvh parents[]: no parent
+
+// What is known of the lights below one child, as rows of 8, one number for each child. A child's
+// lights lie in a sphere, shine at most `theta_e` off directions that are at most `theta_o` off the
+// axis, with `power` in all, and reach no farther than `range` from where they are.
+//
+//   row   0 .. 2   centre of the sphere, m
+//   row   3        its radius, m
+//   row   4        power, cd: sum of intensities, or of radiance times area; negative: two-sided
+//   row   5        largest range, m; FLT_MAX without
+//   row   6 .. 8   unit axis
+//   row   9        cos theta_o
+//   row   10       cos theta_e
+//   row   11       bits of the child word
+struct light_bvh_node {
+    float4 rows[24]; // row r is rows[2 r], rows[2 r + 1]
+};
+SHARED_SIZE(light_bvh_node, 384);
+
 #endif
