@@ -47,8 +47,8 @@ all: $(B)/lightkiln $(B)/$(SONAME) ## Builds build/lightkiln, liblightkiln.a and
 demo: setup ## Sets up, builds, and renders the Cornell box to build/demo/
 	$(Q)$(MAKE) --no-print-directory $(parallel) all
 	$(Q)mkdir -p $(B)/demo
-	$(B)/lightkiln render scenes/cornell.gltf -o $(B)/demo/cornell.exr --width 320
-	$(B)/lightkiln render scenes/cornell.gltf -o $(B)/demo/cornell.png --width 320
+	$(B)/lightkiln render scenes/cornell.gltf -o $(B)/demo/cornell.exr --width 256
+	$(B)/lightkiln render scenes/cornell.gltf -o $(B)/demo/cornell.png --width 256
 
 test: setup ## Sets up, builds, and runs every test
 	$(Q)$(MAKE) --no-print-directory $(parallel) run-tests

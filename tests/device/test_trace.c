@@ -211,7 +211,7 @@ static void a_blended_triangle_meets_its_share_of_rays(void **state)
     make_scene(scene, &fixture, geometry, 0.0f);
     make_job(job, scene, 3.0, false);
     for (uint32_t i = 0; i < RAYS; i++) {
-        job->rays[i].org_tmin.z = 1.0f + (float)i;
+        job->rays[i].org_tmin = (float4){0.37f * (float)(i % 64), 0.0f, 1.0f + (float)i, 0.0f};
         job->rays[i].dir_tmax = (float4){0.0f, 0.0f, -1.0f, FLT_MAX};
     }
     run_any_hit(any, &fixture, scene, job->rays);
