@@ -4,10 +4,10 @@
 //   out   paths[slot].radiance
 //   next  directional
 //
-// Variants: those of trace.
+// Variants: those of trace; LIGHT_SAMPLER (lib/light_sampler.h).
 
 #include "lib/bsdf.h"
-#include "lib/light.h"
+#include "lib/light_sampler.h"
 #include "lib/queue.h"
 #include "lib/traverse.h"
 #include "shared/camera.h"
@@ -22,10 +22,10 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     __global const struct triangle *triangles, __global const struct material *materials,
     __global const uint *texels, __constant struct settings *settings,
     __constant struct camera *camera, const struct batch batch, const uint bounce,
-    __global const struct light *restrict lights,
-    __global const struct light_node *restrict light_nodes, __global const uint *restrict queue,
-    __global const struct hit *restrict hits, __global const struct shade *restrict shades,
-    __global struct path *restrict paths, __global struct counters *counters)
+    __global const struct light *restrict lights, __global const float4 *restrict light_nodes,
+    __global const uint *restrict queue, __global const struct hit *restrict hits,
+    __global const struct shade *restrict shades, __global struct path *restrict paths,
+    __global struct counters *counters)
 {
     struct surface surface;
     surface.vertices = vertices;
@@ -34,9 +34,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     surface.materials = materials;
     surface.texels = texels;
 
-    const uint sampler = settings->light_sampler;
-    const uint light_count = settings->light_count;
-    const uint ray_count = sampler == LIGHT_SAMPLER_ALL ? light_count : settings->shadow_rays;
+    const uint ray_count = light_ray_count(settings);
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
     QUEUE_LOCAL(run);
@@ -59,17 +57,10 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
             // Draw a light.
             const uint4 bits =
                 rng_bits(settings->seed, pixel, sample, rng_dimension(bounce, RNG_USE_LIGHT, k));
-            float expected = 1.0f; // times this hit takes this light, on average
-            uint light = k;
-            if (sampler == LIGHT_SAMPLER_UNIFORM) {
-                light = min((uint)(rng_unit(bits.x) * (float)light_count), light_count - 1);
-                expected = (float)ray_count / (float)light_count;
-            } else if (sampler == LIGHT_SAMPLER_TREE) {
-                light = light_tree_draw(&expected, light_nodes, p, bits.x);
-                expected *= (float)ray_count;
-                if (light == EMITTER_NONE)
-                    continue;
-            }
+            float expected; // times this hit takes this light, on average
+            const uint light = light_draw(&expected, settings, light_nodes, p, b.normal, k, bits.x);
+            if (light == EMITTER_NONE)
+                continue;
 
             // Draw a point on it, and weigh what comes from there.
             const struct light_sample sampled =

@@ -6,14 +6,15 @@
 //   next  direct
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
-// section 3.3), else all hits of the queue at once, with texels from the pool; BRDF_PHONG.
+// section 3.3), else all hits of the queue at once, with texels from the pool; BRDF_PHONG;
+// LIGHT_SAMPLER.
 
 #if TEXTURES_BOUND
 #define TEXTURE_IMAGES 1
 #endif
 
 #include "lib/bsdf.h"
-#include "lib/light.h"
+#include "lib/light_sampler.h"
 #include "shared/camera.h"
 #include "shared/ray.h"
 #include "shared/rng.h"
@@ -95,10 +96,9 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __global const struct triangle *restrict triangles,
     __global const struct material *restrict materials,
     __global const uint *restrict triangle_emitters, __global const struct light *restrict lights,
-    __global const struct light_node *restrict light_nodes,
-    __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
-    __global struct ray *restrict rays, __global struct path *restrict paths,
-    __global struct shade *restrict shades,
+    __global const float4 *restrict light_nodes, __global const uint *restrict light_parents,
+    __global const uint *restrict light_leaves, __global struct ray *restrict rays,
+    __global struct path *restrict paths, __global struct shade *restrict shades,
 #if TEXTURES_BOUND
     const uint material_index, __global const uint *restrict ranges,
     __read_only image2d_t base_image, __read_only image2d_t surface_image,
@@ -176,8 +176,9 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
                 const float area = lights[emitter].edge_u.w;
                 const float cosine = fabs(dot(geometric, dir));
+                const float3 before = normalize(oct_unpack(shades[slot].normal).xyz);
                 const float count = light_expected_count(settings, light_nodes, light_parents,
-                                                         light_leaves, org, emitter);
+                                                         light_leaves, org, before, emitter);
                 weight = mis_weight(density, count * hit.t * hit.t / (area * cosine));
             }
             radiance += throughput * emission * weight;

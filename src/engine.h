@@ -9,6 +9,7 @@
 #include "prep/bvh_pack.h"
 #include "prep/emitters.h"
 #include "prep/flatten.h"
+#include "prep/light_bvh.h"
 #include "prep/light_tree.h"
 #include "prep/textures.h"
 #include "scene/scene.h"
@@ -18,10 +19,12 @@ struct prepared {
     struct geometry geometry;
     struct packed_bvh bvh;
     struct emitters emitters;
-    struct light_tree light_tree;
+    struct light_tree light_tree; // empty unless the sampler is tree
+    struct light_bvh light_bvh;   // empty unless it is importance
     struct material_set materials;
     float split_threshold; // settings it was made with
     uint32_t leaf_size;
+    enum lk_light_sampler light_sampler;
     bool ready;
     double seconds; // it took
 };

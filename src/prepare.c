@@ -28,21 +28,38 @@ cleanup:
     return status;
 }
 
-enum status prepare_scene(struct lk_scene *scene, float split_threshold, uint32_t leaf_size)
+// Builds the hierarchy over lights that the sampler draws from.
+static enum status prepare_lights(struct prepared *out)
+{
+    const struct emitters *emitters = &out->emitters;
+    if (out->light_sampler == LK_LIGHTS_TREE)
+        return light_tree_build(&out->light_tree, emitters->lights, emitters->power,
+                                emitters->light_count);
+    if (out->light_sampler == LK_LIGHTS_IMPORTANCE)
+        return light_bvh_build(&out->light_bvh, emitters->lights, emitters->power,
+                               emitters->light_count);
+    return STATUS_OK;
+}
+
+enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings)
 {
     struct prepared *old = &scene->prepared;
-    if (old->ready && old->split_threshold == split_threshold && old->leaf_size == leaf_size)
+    if (old->ready && old->split_threshold == settings->split_threshold &&
+        old->leaf_size == settings->leaf_size && old->light_sampler == settings->light_sampler)
         return STATUS_OK;
     const double start = clock_seconds();
-    struct prepared p = {.split_threshold = split_threshold, .leaf_size = leaf_size};
+    struct prepared p = {
+        .split_threshold = settings->split_threshold,
+        .leaf_size = settings->leaf_size,
+        .light_sampler = settings->light_sampler,
+    };
     enum status status = geometry_build(&p.geometry, &scene->scene);
     if (status == STATUS_OK)
         status = prepare_bvh(&p, &scene->scene);
     if (status == STATUS_OK)
         status = emitters_build(&p.emitters, &scene->scene, &p.geometry);
     if (status == STATUS_OK)
-        status = light_tree_build(&p.light_tree, p.emitters.lights, p.emitters.power,
-                                  p.emitters.light_count);
+        status = prepare_lights(&p);
     if (status == STATUS_OK)
         status = material_set_build(&p.materials, &scene->scene);
     if (status != STATUS_OK) {
@@ -61,6 +78,7 @@ enum status prepare_scene(struct lk_scene *scene, float split_threshold, uint32_
 void prepared_free(struct prepared *prepared)
 {
     material_set_free(&prepared->materials);
+    light_bvh_free(&prepared->light_bvh);
     light_tree_free(&prepared->light_tree);
     emitters_free(&prepared->emitters);
     packed_bvh_free(&prepared->bvh);
@@ -75,6 +93,7 @@ struct upload_source prepared_source(const struct prepared *prepared)
         .bvh = &prepared->bvh,
         .emitters = &prepared->emitters,
         .light_tree = &prepared->light_tree,
+        .light_bvh = &prepared->light_bvh,
         .materials = &prepared->materials,
     };
     return source;

@@ -12,9 +12,9 @@
 /**
  * Prepares a scene for these settings, unless it already is. Fails as the modules of prep/ do.
  *
- * @param split_threshold  m2, 0: no early splitting.
+ * @param settings  split_threshold, leaf_size and light_sampler (not auto) are looked at.
  */
-enum status prepare_scene(struct lk_scene *scene, float split_threshold, uint32_t leaf_size);
+enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings);
 
 /** Releases what was prepared. Safe on an unprepared one. */
 void prepared_free(struct prepared *prepared);

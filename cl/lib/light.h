@@ -8,7 +8,6 @@
 #include "lib/surface.h"
 #include "shared/light.h"
 #include "shared/rng.h"
-#include "shared/settings.h"
 
 // What one light sends to a point, by one sample of it.
 struct light_sample {
@@ -166,20 +165,6 @@ static inline struct light_sample light_sample(__global const struct light *ligh
     }
     }
     return out;
-}
-
-// How often, on average, light sampling of one hit at p takes this light.
-static inline float light_expected_count(__constant struct settings *settings,
-                                         __global const struct light_node *nodes,
-                                         __global const uint *parents, __global const uint *leaves,
-                                         const float3 p, const uint light)
-{
-    if (settings->light_sampler == LIGHT_SAMPLER_ALL)
-        return 1.0f;
-    const float rays = (float)settings->shadow_rays;
-    if (settings->light_sampler == LIGHT_SAMPLER_UNIFORM)
-        return rays / (float)settings->light_count;
-    return rays * light_tree_pmf(nodes, parents, leaves, p, light);
 }
 
 #endif

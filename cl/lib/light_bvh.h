@@ -72,7 +72,8 @@ static inline float8 light_bvh_weigh(__global const struct light_bvh_node *node,
     const float8 near2 = near * near;
     const float8 window = 1.0f - near2 * near2;
 
-    const float8 weight = fabs(power) * cos_light * cos_surface * window / max(apart2, radius2);
+    const float8 lit = max(cos_light, (float8)(1e-3f)); // at the very edge of a cone
+    const float8 weight = fabs(power) * lit * cos_surface * window / max(apart2, radius2);
     const int8 dark = cos_light <= cos_e || cos_surface <= 0.0f || near >= 1.0f;
     return select(weight, (float8)(0.0f), dark);
 }

@@ -167,9 +167,11 @@ enum lk_brdf {
 };
 
 enum lk_light_sampler {
-    LK_LIGHTS_TREE,    // thesis section 3.4
-    LK_LIGHTS_UNIFORM, // one of all
-    LK_LIGHTS_ALL      // every light at every hit
+    LK_LIGHTS_AUTO,      // importance
+    LK_LIGHTS_TREE,      // the light tree of thesis section 3.4
+    LK_LIGHTS_UNIFORM,   // one of all
+    LK_LIGHTS_ALL,       // every light at every hit
+    LK_LIGHTS_IMPORTANCE // by estimated contribution (Conty Estevez and Kulla 2018)
 };
 
 enum lk_trace {

@@ -25,6 +25,7 @@ struct program_options {
     bool nodes_image;    // BVH nodes through a 1D texture
     bool alpha;          // the scene has materials that let rays by
     bool textures_bound; // material: one launch a material, its textures as images
+    int light_sampler;   // direct, material: LIGHT_SAMPLER_... of shared/settings.h
     bool brdf_phong;     // the thesis's BSDF
     bool no_cache;       // build from source
 };

@@ -16,9 +16,11 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
                     geometry->triangle_count * sizeof(struct triangle),
         .materials = source->materials->material_count * sizeof(struct material) +
                      source->materials->texel_count * sizeof(uint32_t),
-        .lights = lights * (sizeof(struct light) + sizeof(uint32_t)) +
-                  source->light_tree->node_count * (sizeof(struct light_node) + sizeof(uint32_t)) +
-                  source->emitters->directional_count * sizeof(struct directional_light),
+        .lights =
+            lights * (sizeof(struct light) + sizeof(uint32_t)) +
+            source->light_tree->node_count * (sizeof(struct light_node) + sizeof(uint32_t)) +
+            source->light_bvh->node_count * (sizeof(struct light_bvh_node) + sizeof(uint32_t)) +
+            source->emitters->directional_count * sizeof(struct directional_light),
     };
     if (source->emitters->triangle_emitters != NULL)
         sizes.lights += geometry->triangle_count * sizeof(uint32_t);
@@ -60,11 +62,28 @@ static enum status upload_geometry(struct device_scene *out, struct gpu *gpu,
     return status;
 }
 
+// Uploads a hierarchy over lights; an empty one where the sampler needs none.
+static enum status upload_hierarchy(struct device_scene *out, struct gpu *gpu, const void *nodes,
+                                    size_t nodes_size, const uint32_t *parents, uint32_t node_count,
+                                    const uint32_t *leaves, uint32_t light_count)
+{
+    enum status status =
+        buffer_create(&out->light_nodes, gpu, nodes_size, nodes, "light hierarchy");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->light_parents, gpu, node_count * sizeof(*parents), parents,
+                               "light hierarchy");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->light_leaves, gpu, light_count * sizeof(*leaves), leaves,
+                               "light hierarchy");
+    return status;
+}
+
 static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
                                  const struct upload_source *source)
 {
     const struct emitters *emitters = source->emitters;
     const struct light_tree *tree = source->light_tree;
+    const struct light_bvh *bvh = source->light_bvh;
     const size_t words = sizeof(uint32_t);
     enum status status = buffer_create(
         &out->triangle_emitters, gpu,
@@ -73,15 +92,12 @@ static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
     if (status == STATUS_OK)
         status = buffer_create(&out->lights, gpu, emitters->light_count * sizeof(*emitters->lights),
                                emitters->lights, "lights");
-    if (status == STATUS_OK)
-        status = buffer_create(&out->light_nodes, gpu, tree->node_count * sizeof(*tree->nodes),
-                               tree->nodes, "light tree");
-    if (status == STATUS_OK)
-        status = buffer_create(&out->light_parents, gpu, tree->node_count * words, tree->parents,
-                               "light tree");
-    if (status == STATUS_OK)
-        status = buffer_create(&out->light_leaves, gpu, tree->light_count * words, tree->leaves,
-                               "light tree");
+    if (status == STATUS_OK && source->light_bvh->node_count > 0)
+        status = upload_hierarchy(out, gpu, bvh->nodes, bvh->node_count * sizeof(*bvh->nodes),
+                                  bvh->parents, bvh->node_count, bvh->leaves, bvh->light_count);
+    else if (status == STATUS_OK)
+        status = upload_hierarchy(out, gpu, tree->nodes, tree->node_count * sizeof(*tree->nodes),
+                                  tree->parents, tree->node_count, tree->leaves, tree->light_count);
     if (status == STATUS_OK)
         status = buffer_create(&out->directional, gpu,
                                emitters->directional_count * sizeof(*emitters->directional),

@@ -13,6 +13,7 @@
 #include "prep/bvh_pack.h"
 #include "prep/emitters.h"
 #include "prep/flatten.h"
+#include "prep/light_bvh.h"
 #include "prep/light_tree.h"
 #include "prep/textures.h"
 
@@ -21,7 +22,8 @@ struct upload_source {
     const struct geometry *geometry;
     const struct packed_bvh *bvh;
     const struct emitters *emitters;
-    const struct light_tree *light_tree;
+    const struct light_tree *light_tree; // the one that the sampler needs,
+    const struct light_bvh *light_bvh;   // or neither; the others are empty
     const struct material_set *materials;
 };
 
