@@ -97,9 +97,10 @@ static struct gpu disguise(const struct gpu *gpu)
 static char *fill_cache(const struct gpu *gpu, struct build_key *key, size_t *size, char *path)
 {
     const struct gpu other = disguise(gpu);
+    const struct program_options options = {.no_cache = true};
     struct program program;
     char *bytes = NULL;
-    assert_ok(build(&program, gpu, good_text));
+    assert_ok(program_build_text(&program, gpu, good_text, strlen(good_text), &options));
     assert_true(build_cache_key(key, &other, good_text, strlen(good_text), ""));
     build_cache_save(key, program.handle);
     program_free(&program);

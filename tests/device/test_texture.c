@@ -202,20 +202,19 @@ static void check_nearest(const struct texture *t, const float4 *uvs, const floa
     }
 }
 
+// Asks the pool and, where there are any, an image. They need not agree to the last bit: compilers
+// may fuse products in one kernel and not in the other.
 static void check_texture(const struct fixture *f, struct texture *t)
 {
     float4 *uvs = make_uvs(t);
-    float4 *from_pool = fetch(f, t, uvs, false);
-    if (t->slot.flags & TEXTURE_NEAREST)
-        check_nearest(t, uvs, from_pool);
-    else
-        check_bilinear(t, uvs, from_pool);
-    if (f->gpu->info.has_images) {
-        float4 *from_image = fetch(f, t, uvs, true);
-        assert_memory_equal(from_image, from_pool, UVS * sizeof(*from_pool));
-        free(from_image);
+    for (int image = 0; image < (f->gpu->info.has_images ? 2 : 1); image++) {
+        float4 *found = fetch(f, t, uvs, image);
+        if (t->slot.flags & TEXTURE_NEAREST)
+            check_nearest(t, uvs, found);
+        else
+            check_bilinear(t, uvs, found);
+        free(found);
     }
-    free(from_pool);
     free(uvs);
     free(t->texels);
 }
