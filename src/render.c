@@ -153,8 +153,7 @@ enum status render_paths(struct renderer *renderer, struct lk_render_info *info,
     const struct lk_settings *settings = &info->settings;
     struct pace pace = {
         .total = settings->spp > 0 ? settings->spp * pixel_count(renderer) : UINT64_MAX,
-        .batch_paths =
-            FIRST_PATHS < renderer->wavefront.capacity ? FIRST_PATHS : renderer->wavefront.capacity,
+        .batch_paths = first_batch(renderer, settings),
         .counters = calloc(renderer->wavefront.bounce_count, sizeof(struct counters)),
     };
     if (pace.counters == NULL)
