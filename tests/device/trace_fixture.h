@@ -106,6 +106,7 @@ static inline void make_scene(struct trace_scene *out, const struct fixture *f,
 {
     static const struct emitters no_emitters;
     static const struct light_tree no_lights;
+    static const struct light_bvh no_light_bvh;
     struct tri_ref *refs = NULL;
     uint32_t ref_count = 0;
     struct bvh bvh;
@@ -126,8 +127,8 @@ static inline void make_scene(struct trace_scene *out, const struct fixture *f,
 
     const struct material_set materials = {.materials = out->materials,
                                            .material_count = MATERIALS};
-    const struct upload_source source = {&out->geometry, &out->packed, &no_emitters, &no_lights,
-                                         &materials};
+    const struct upload_source source = {&out->geometry, &out->packed,  &no_emitters,
+                                         &no_lights,     &no_light_bvh, &materials};
     assert_ok(upload(&out->buffers, f->gpu, &source, false, false));
     if (f->gpu->info.has_images)
         assert_ok(upload(&out->images, f->gpu, &source, true, false));

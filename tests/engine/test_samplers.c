@@ -101,7 +101,7 @@ static void samplers_agree_on_punctual_lights_alone(void **state)
     add_punctual_lights(&writer);
     struct lk_scene *scene = gltf_load(&writer);
 
-    struct estimate seen[3];
+    struct estimate seen[LK_LIGHTS_ALL + 1];
     for (int sampler = LK_LIGHTS_TREE; sampler <= LK_LIGHTS_ALL; sampler++) {
         const struct lk_settings settings = stage_settings((enum lk_light_sampler)sampler, 1);
         seen[sampler] = estimate_image(scene, &settings, SEEDS);
