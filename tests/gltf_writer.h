@@ -5,7 +5,7 @@
  * after loading.
  *
  * Every gltf_ function fails the running test if it cannot do its work. All-zero is an empty scene.
- * Points are [3], metres.
+ * Points are [3], metres; what is aimed needs a target elsewhere.
  */
 #ifndef TESTS_GLTF_WRITER_H
 #define TESTS_GLTF_WRITER_H

@@ -56,11 +56,14 @@ static inline float bsdf_fifth_power(const float x)
 
 #if !BRDF_PHONG
 
-// GGX distribution of normals, appendix B.3.2.
-static inline float bsdf_ggx_d(const float noh, const float alpha)
+// GGX distribution of normals, appendix B.3.2. With 1 = cos2 + sin2 its cos2 (a2 - 1) + 1 becomes a
+// sum: the difference would leave no digits of a2 where the lobe is narrow.
+static inline float bsdf_ggx_d(const float3 normal, const float3 half_dir, const float alpha)
 {
     const float a2 = alpha * alpha;
-    const float d = noh * noh * (a2 - 1.0f) + 1.0f;
+    const float cos_h = max2(dot(normal, half_dir), 0.0f);
+    const float3 across = cross(normal, half_dir);
+    const float d = cos_h * cos_h * a2 + dot(across, across);
     return a2 * INV_PI / (d * d);
 }
 
@@ -124,11 +127,10 @@ static inline float3 bsdf_eval(float *density, const struct bsdf *b, const float
 #else
     const float3 half_dir = normalize(dir + b->view);
     const float nov = max2(dot(b->normal, b->view), 1e-6f);
-    const float noh = min2(max2(dot(b->normal, half_dir), 0.0f), 1.0f);
     const float voh = min2(max2(dot(b->view, half_dir), 0.0f), 1.0f);
     const float grazing = bsdf_fifth_power(1.0f - voh);
     const float3 fresnel = b->f0 + ((float3)(b->f90) - b->f0) * grazing;
-    const float d = bsdf_ggx_d(noh, b->alpha);
+    const float d = bsdf_ggx_d(b->normal, half_dir, b->alpha);
     const float smith_v = bsdf_smith(nov, b->alpha);
 
     // Visible normals: density of the half vector D G1(v) VoH / NoV, Jacobian 1 / (4 VoH).

@@ -21,11 +21,10 @@ static void note_interrupt(int signal_number)
 
 void progress_catch_interrupts(void)
 {
-    // What was told to ignore interrupts (nohup) still does.
-    const int signals[] = {SIGINT, SIGTERM};
-    for (int i = 0; i < 2; i++)
-        if (signal(signals[i], note_interrupt) == SIG_IGN)
-            signal(signals[i], SIG_IGN);
+    // Also where a script's shell, which starts programs in the background, had them ignored: an
+    // interrupt loses nothing.
+    signal(SIGINT, note_interrupt);
+    signal(SIGTERM, note_interrupt);
 }
 
 bool progress_is_interrupted(void)
