@@ -33,10 +33,10 @@ static enum status prepare_lights(struct prepared *out)
 {
     const struct emitters *emitters = &out->emitters;
     if (out->light_sampler == LK_LIGHTS_TREE)
-        return light_tree_build(&out->light_tree, emitters->lights, emitters->power,
-                                emitters->light_count);
+        return light_tree_build(&out->light_tree, emitters->lights, emitters->shapes,
+                                emitters->power, emitters->light_count);
     if (out->light_sampler == LK_LIGHTS_IMPORTANCE)
-        return light_bvh_build(&out->light_bvh, emitters->lights, emitters->power,
+        return light_bvh_build(&out->light_bvh, emitters->lights, emitters->shapes, emitters->power,
                                emitters->light_count);
     return STATUS_OK;
 }

@@ -17,7 +17,9 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
         .materials = source->materials->material_count * sizeof(struct material) +
                      source->materials->texel_count * sizeof(uint32_t),
         .lights =
-            lights * (sizeof(struct light) + sizeof(uint32_t)) +
+            lights * sizeof(struct light) +
+            source->emitters->shape_count * sizeof(struct light_shape) +
+            (source->light_tree->light_count + source->light_bvh->light_count) * sizeof(uint32_t) +
             source->light_tree->node_count * (sizeof(struct light_node) + sizeof(uint32_t)) +
             source->light_bvh->node_count * (sizeof(struct light_bvh_node) + sizeof(uint32_t)) +
             source->emitters->directional_count * sizeof(struct directional_light),
@@ -92,6 +94,9 @@ static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
     if (status == STATUS_OK)
         status = buffer_create(&out->lights, gpu, emitters->light_count * sizeof(*emitters->lights),
                                emitters->lights, "lights");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->shapes, gpu, emitters->shape_count * sizeof(*emitters->shapes),
+                               emitters->shapes, "shapes of lights");
     if (status == STATUS_OK && source->light_bvh->node_count > 0)
         status = upload_hierarchy(out, gpu, bvh->nodes, bvh->node_count * sizeof(*bvh->nodes),
                                   bvh->parents, bvh->node_count, bvh->leaves, bvh->light_count);
@@ -104,7 +109,7 @@ static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
                                emitters->directional, "directional lights");
     out->light_count = emitters->light_count;
     out->directional_count = emitters->directional_count;
-    out->emitter_count = emitters->rectangle_count + emitters->triangle_count;
+    out->emitter_count = emitters->emissive_triangles;
     return status;
 }
 
@@ -186,6 +191,7 @@ void device_scene_free(struct gpu *gpu, struct device_scene *scene)
     buffer_free(gpu, &scene->light_leaves);
     buffer_free(gpu, &scene->light_parents);
     buffer_free(gpu, &scene->light_nodes);
+    buffer_free(gpu, &scene->shapes);
     buffer_free(gpu, &scene->lights);
     for (uint32_t i = 0; i < scene->image_count; i++)
         buffer_free(gpu, &scene->images[i]);

@@ -42,9 +42,9 @@ struct device_scene {
     struct buffer *images;     // [image_count], the first white for slots without one; owned
     uint32_t image_count;      // 0 unless textures are bound
     uint32_t *material_images; // [material_count * TEXTURE_USE_COUNT] index into images; owned
-    struct buffer lights, light_nodes, light_parents, light_leaves, directional;
+    struct buffer lights, shapes, light_nodes, light_parents, light_leaves, directional;
     uint32_t material_count, light_count, directional_count;
-    uint32_t emitter_count; // lights that a ray can hit
+    uint32_t emitter_count; // triangles that are lights
     bool alpha;             // some material lets rays by
 };
 

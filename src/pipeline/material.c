@@ -51,6 +51,7 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&scene->materials),
         ARG_BUFFER(&scene->triangle_emitters),
         ARG_BUFFER(&scene->lights),
+        ARG_BUFFER(&scene->shapes),
         ARG_BUFFER(&scene->light_nodes),
         ARG_BUFFER(&scene->light_parents),
         ARG_BUFFER(&scene->light_leaves),
@@ -58,7 +59,7 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->shades),
     };
-    const size_t shared_count = 19; // arguments that both variants take
+    const size_t shared_count = 20; // arguments that both variants take
     if (material->textures_bound)
         return enqueue_bound(material, context, args, shared_count);
     args[shared_count] = (struct kernel_arg)ARG_BUFFER(&scene->texels);

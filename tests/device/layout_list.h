@@ -35,11 +35,15 @@
     S(triangle)                                                                                    \
     M(triangle, v0) M(triangle, v1) M(triangle, v2) M(triangle, material)                          \
     S(light)                                                                                       \
-    M(light, org_range) M(light, color_kind) M(light, edge_u) M(light, edge_v)                     \
+    M(light, org_range) M(light, color_kind)                                                       \
+    S(light_shape)                                                                                 \
+    M(light_shape, edge_u) M(light_shape, edge_v)                                                  \
     S(directional_light)                                                                           \
     M(directional_light, dir) M(directional_light, color)                                          \
     S(light_node)                                                                                  \
     M(light_node, lo_left) M(light_node, hi_child)                                                 \
+    S(light_bvh_node)                                                                              \
+    M(light_bvh_node, rows)                                                                        \
     S(texture_slot)                                                                                \
     M(texture_slot, uv_matrix) M(texture_slot, uv_offset) M(texture_slot, texel_first)             \
     M(texture_slot, size) M(texture_slot, flags)                                                   \
@@ -64,10 +68,10 @@
     S(hit)                                                                                         \
     M(hit, t) M(hit, u) M(hit, v) M(hit, triangle)                                                 \
     S(settings)                                                                                    \
-    M(settings, seed) M(settings, depth) M(settings, shadow_rays) M(settings, light_sampler)       \
-    M(settings, quantity) M(settings, light_count) M(settings, directional_count)                  \
-    M(settings, material_count) M(settings, emitter_count)                                         \
-    M(settings, pad0) M(settings, pad1) M(settings, pad2)
+    M(settings, seed) M(settings, depth) M(settings, shadow_rays) M(settings, quantity)            \
+    M(settings, light_count) M(settings, directional_count) M(settings, material_count)            \
+    M(settings, emitter_count)                                                                     \
+    M(settings, pad0) M(settings, pad1) M(settings, pad2) M(settings, pad3)
 // clang-format on
 
 #endif
