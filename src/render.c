@@ -5,10 +5,12 @@
 
 #include "core/clock.h"
 
-#define BATCH_SECONDS  0.15  // aim for one batch: no launch in it can last longer
-#define FIRST_PATHS    1024u // paths of the first batch: it finds out how fast the device is
-#define PROGRESS_EVERY 0.1   // seconds between calls of the hook
-#define PATHS_STEP     1024u // batches are whole tiles of the Z-order, for coherence
+#define BATCH_SECONDS  0.15   // aim for one batch: no launch in it can last longer
+#define FIRST_PATHS    1024u  // paths of the first batch: it finds out how fast the device is,
+#define FIRST_RAYS     65536u // with at most so many shadow rays of a bounce
+#define PATHS_MIN      32u    // least batch, for hits that look at thousands of lights
+#define PROGRESS_EVERY 0.1    // seconds between calls of the hook
+#define PATHS_STEP     1024u  // batches are whole tiles of the Z-order, for coherence
 
 enum status render_report(const struct lk_progress_hook *hook, const struct lk_progress *progress)
 {
@@ -67,9 +69,11 @@ static void adapt(struct pace *pace, const struct renderer *r, double seconds)
 {
     const double ratio = seconds > 0.0 ? BATCH_SECONDS / seconds : 2.0;
     double paths = pace->batch_paths * fmin(ratio, 4.0);
-    paths = fmin(fmax(paths, PATHS_STEP), r->wavefront.capacity);
+    paths = fmin(fmax(paths, PATHS_MIN), r->wavefront.capacity);
     const uint32_t whole = (uint32_t)paths / PATHS_STEP * PATHS_STEP;
-    pace->batch_paths = whole > 0 ? whole : r->wavefront.capacity;
+    pace->batch_paths = whole > 0 ? whole : (uint32_t)paths;
+    if (pace->batch_paths == 0)
+        pace->batch_paths = 1;
 }
 
 static enum status report(const struct renderer *r, const struct lk_render_info *info,
@@ -133,14 +137,23 @@ static enum status render_batches(struct renderer *r, struct lk_render_info *inf
     return STATUS_OK;
 }
 
+// The size of the first batch: small, so that a slow device is found out before a launch is long.
+static uint32_t first_batch(const struct renderer *r, const struct lk_settings *settings)
+{
+    const uint32_t rays =
+        settings->light_sampler == LK_LIGHTS_ALL ? r->settings.light_count : settings->shadow_rays;
+    uint32_t paths = rays > FIRST_RAYS / FIRST_PATHS ? FIRST_RAYS / rays : FIRST_PATHS;
+    paths = paths < PATHS_MIN ? PATHS_MIN : paths;
+    return paths < r->wavefront.capacity ? paths : r->wavefront.capacity;
+}
+
 enum status render_paths(struct renderer *renderer, struct lk_render_info *info,
                          const struct lk_progress_hook *hook)
 {
     const struct lk_settings *settings = &info->settings;
     struct pace pace = {
         .total = settings->spp > 0 ? settings->spp * pixel_count(renderer) : UINT64_MAX,
-        .batch_paths =
-            FIRST_PATHS < renderer->wavefront.capacity ? FIRST_PATHS : renderer->wavefront.capacity,
+        .batch_paths = first_batch(renderer, settings),
         .counters = calloc(renderer->wavefront.bounce_count, sizeof(struct counters)),
     };
     if (pace.counters == NULL)

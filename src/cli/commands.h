@@ -22,6 +22,9 @@ enum status command_info(const struct options *options);
 /** Prints the OpenCL devices. */
 enum status command_devices(const struct options *options);
 
+/** Measures. The first operand says what: "lights". */
+enum status command_bench(const struct options *options);
+
 /** Finds a command by its name; 0 if there is none. */
 enum command command_find(const char *name);
 

@@ -109,6 +109,12 @@ void help_print_command(FILE *file, enum command command)
     case COMMAND_DEVICES:
         fprintf(file, "\nPrints the OpenCL devices. The first column is what --device takes.\n");
         break;
+    case COMMAND_BENCH:
+        fprintf(
+            file,
+            "\nlights: renders the scene with every light sampler for the same --time and prints\n"
+            "the variance of each against the reference, times uniform's.\n");
+        break;
     case COMMAND_ALL:
         break;
     }
@@ -130,6 +136,7 @@ void help_print(FILE *file)
             "  lightkiln info SCENE                  tells what is in it and what it takes\n"
             "  lightkiln compare IMAGE REFERENCE     tells how far two images are apart\n"
             "  lightkiln devices                     lists the OpenCL devices\n"
+            "  lightkiln bench lights SCENE          measures the light samplers at equal time\n"
             "  lightkiln COMMAND --help              tells more\n\n"
             "Exit codes: 0 done, 1 failed, 2 usage, 3 bad or unsupported input, 4 no usable\n"
             "device, 5 out of memory, 6 cannot write, 130 interrupted (with what was finished\n"

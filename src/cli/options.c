@@ -27,47 +27,53 @@
 #define COMPARE COMMAND_COMPARE
 #define INFO    COMMAND_INFO
 #define DEVICES COMMAND_DEVICES
+#define BENCH   COMMAND_BENCH
+#define BOTH    (COMMAND_RENDER | COMMAND_BENCH)
 #define ALL     COMMAND_ALL
 
 // clang-format off
 const struct option option_table[] = {
-    HEADING(RENDER, "Picture"),
+    HEADING(BOTH, "Picture"),
     {"output", 'o', RENDER, "FILE", "the image: .exr .hdr .tif (linear), .png .jpg (8 bits)", NULL, TEXT(output)},
-    {"width", 0, RENDER, "N", "image size in pixels", "1024, or by the camera's aspect", UINT(settings.width, 1, 16384)},
-    {"height", 0, RENDER, "N", "", "by the camera's aspect", UINT(settings.height, 1, 16384)},
-    {"camera", 0, RENDER, "NAME", "camera: its name, its node's name or its index", "the first", TEXT(settings.camera)},
+    {"width", 0, BOTH, "N", "image size in pixels", "1024, or by the camera's aspect", UINT(settings.width, 1, 16384)},
+    {"height", 0, BOTH, "N", "", "by the camera's aspect", UINT(settings.height, 1, 16384)},
+    {"camera", 0, BOTH, "NAME", "camera: its name, its node's name or its index", "the first", TEXT(settings.camera)},
     {"quantity", 0, RENDER, NULL, "what a pixel holds", NULL, CHOICE(settings.quantity, choices_quantity)},
     {"exposure", 0, RENDER, "EV", "stops, for 8-bit files only", NULL, FLOAT(display.exposure_ev, -100, 100)},
     {"tonemap", 0, RENDER, NULL, "for 8-bit files only", "aces", CHOICE(display.tonemap, choices_tonemap)},
 
-    HEADING(RENDER, "When to stop (whichever comes first)"),
+    HEADING(BOTH, "When to stop (whichever comes first)"),
     {"spp", 0, RENDER, "N", "samples per pixel", "64; no limit with --time", UINT(settings.spp, 1, 1e9)},
-    {"time", 0, RENDER, "S", "seconds of rendering", "no limit", DOUBLE(settings.time_s, 0.001, 1e9)},
+    {"time", 0, BOTH, "S", "seconds of rendering", "no limit", DOUBLE(settings.time_s, 0.001, 1e9)},
 
-    HEADING(RENDER, "Light"),
-    {"depth", 0, RENDER, "D", "shaded hits of a path; 1 is direct light alone", NULL, UINT(settings.depth, 1, 255)},
-    {"shadow-rays", 0, RENDER, "N", "shadow rays per hit towards lights of the tree", NULL, UINT(settings.shadow_rays, 1, 64)},
+    HEADING(BOTH, "Light"),
+    {"depth", 0, BOTH, "D", "shaded hits of a path; 1 is direct light alone", NULL, UINT(settings.depth, 1, 255)},
+    {"shadow-rays", 0, BOTH, "N", "shadow rays per hit towards drawn lights", NULL, UINT(settings.shadow_rays, 1, 64)},
     {"light-sampler", 0, RENDER, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
-    {"brdf", 0, RENDER, NULL, "metallic-roughness, or diffuse + Phong lobe", NULL, CHOICE(settings.brdf, choices_brdf)},
-    {"seed", 0, RENDER, "N", "another seed gives other noise", NULL, UINT(settings.seed, 0, UINT32_MAX)},
+    {"brdf", 0, BOTH, NULL, "metallic-roughness, or diffuse + Phong lobe", NULL, CHOICE(settings.brdf, choices_brdf)},
+    {"seed", 0, BOTH, "N", "another seed gives other noise", NULL, UINT(settings.seed, 0, UINT32_MAX)},
 
-    HEADING(RENDER, "Device and kernels"),
-    {"device", 0, RENDER, "WHICH", "cpu, gpu, P:D, or part of a name", "the best", TEXT(settings.device)},
+    HEADING(BOTH, "Device and kernels"),
+    {"device", 0, BOTH, "WHICH", "cpu, gpu, P:D, or part of a name", "the best", TEXT(settings.device)},
     {"trace", 0, RENDER, NULL, "traversal: a ray per item, or a work queue", NULL, CHOICE(settings.trace, choices_trace)},
     {"textures", 0, RENDER, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
     {"nodes", 0, RENDER, NULL, "where kernels read the BVH's nodes from", NULL, CHOICE(settings.nodes, choices_nodes)},
-    {"split-threshold", 0, RENDER, "A", "m2; larger boxes of triangles are split early; 0: off", NULL, FLOAT(settings.split_threshold, 0, 1e30)},
-    {"leaf-size", 0, RENDER, "N", "nodes with fewer triangles become leaves", NULL, UINT(settings.leaf_size, 2, 32)},
+    {"split-threshold", 0, BOTH, "A", "m2; larger boxes of triangles are split early; 0: off", NULL, FLOAT(settings.split_threshold, 0, 1e30)},
+    {"leaf-size", 0, BOTH, "N", "nodes with fewer triangles become leaves", NULL, UINT(settings.leaf_size, 2, 32)},
     {"queue", 0, RENDER, "N", "paths in flight", "by the device", UINT(settings.queue, 1, 1 << 30)},
-    {"memory-limit", 0, RENDER, "MB", "most memory to take on the device", "all it has", MEGABYTES(settings.memory_limit)},
-    {"no-cache", 0, RENDER, NULL, "build the kernels from source", NULL, FLAG(settings.no_cache)},
+    {"memory-limit", 0, BOTH, "MB", "most memory to take on the device", "all it has", MEGABYTES(settings.memory_limit)},
+    {"no-cache", 0, BOTH, NULL, "build the kernels from source", NULL, FLAG(settings.no_cache)},
+
+    HEADING(BENCH, "Reference"),
+    {"reference", 0, BENCH, "FILE", "image of the same scene, camera, size and depth", "rendered", TEXT(reference)},
+    {"reference-time", 0, BENCH, "S", "seconds to render it, without --reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},
     {"profile", 0, RENDER, NULL, "time every kernel and print a table", NULL, FLAG(settings.profile)},
 
-    HEADING(COMPARE | INFO | DEVICES, "Options"),
-    {"json", 0, COMPARE | INFO | DEVICES, NULL, "print JSON", NULL, FLAG(json)},
+    HEADING(COMPARE | INFO | DEVICES | BENCH, "Options"),
+    {"json", 0, COMPARE | INFO | DEVICES | BENCH, NULL, "print JSON", NULL, FLAG(json)},
     {"diff", 0, COMPARE, "FILE", "write the absolute difference as an image", NULL, TEXT(diff)},
 
     HEADING(RENDER, "Messages"),

@@ -21,17 +21,19 @@ enum command {
     COMMAND_COMPARE = 2,
     COMMAND_INFO = 4,
     COMMAND_DEVICES = 8,
-    COMMAND_ALL = 15
+    COMMAND_BENCH = 16,
+    COMMAND_ALL = 31
 };
 
 #define OPERANDS_MAX 2
 
 /** Everything that a command line can say. Strings are borrowed from it. */
 struct options {
-    const char *operands[OPERANDS_MAX]; // scene; or image and reference
+    const char *operands[OPERANDS_MAX]; // scene; image and reference; experiment and scene
     struct lk_settings settings;
     struct lk_display display;
-    const char *output, *stats, *diff; // files; NULL: none
+    const char *output, *stats, *diff, *reference; // files; NULL: none
+    double reference_time_s;
     enum lk_log_level log_level;
     bool json, quiet, strict, help, version;
 };
