@@ -27,6 +27,7 @@ struct program_options {
     bool textures_bound; // material: one launch a material, its textures as images
     int light_sampler;   // direct, material: LIGHT_SAMPLER_... of shared/settings.h
     bool brdf_phong;     // the thesis's BSDF
+    bool environment;    // directional: there is an environment
     bool no_cache;       // build from source
 };
 

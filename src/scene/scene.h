@@ -105,8 +105,8 @@ struct scene_light {
     float range;           // m; 0 if the file gives none
     float inner_angle_rad; // spot
     float outer_angle_rad; // spot
-    float half_u[3];       // area: half edges or radii, world, m, at a right angle; the light shines
-    float half_v[3];       // to where u x v points
+    float half_u[3]; // area: half edges or radii, world, m, at a right angle; the light shines
+    float half_v[3]; // to where u x v points
 };
 
 struct scene_camera {

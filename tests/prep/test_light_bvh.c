@@ -329,8 +329,8 @@ static void a_million_lights_take_few_bytes_each(void **state)
             for (uint32_t at = fixture.bvh.leaves[light]; at != LIGHT_BVH_ROOT;
                  at = fixture.bvh.parents[at >> 3])
                 levels += 1.0 / MANY;
-        print_message("%s: a million in %.2f s, %.1f bytes each, %.2f levels\n", names[i],
-                      seconds, bytes, levels);
+        print_message("%s: a million in %.2f s, %.1f bytes each, %.2f levels\n", names[i], seconds,
+                      bytes, levels);
         assert_true(bytes < MOST);
         release(&fixture);
     }
