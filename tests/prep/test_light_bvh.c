@@ -12,95 +12,13 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "prep/light_bvh.h"
-#include "prep_support.h"
+#include "light_fixture.h"
 
 #define EPSILON  1e-4 // m, of places up to 20 m away
 #define MANY     1000000u
 #define MOST     128.0 // bytes a light may take
 #define LEVELS   64
 #define PER_TYPE 200u
-
-struct fixture {
-    struct light *lights;
-    struct light_shape *shapes;
-    float *power;
-    struct light_bvh bvh;
-    uint32_t count;
-};
-
-static float bits_to_float(uint bits)
-{
-    float value;
-    memcpy(&value, &bits, sizeof(value));
-    return value;
-}
-
-static uint float_to_bits(float value)
-{
-    uint bits;
-    memcpy(&bits, &value, sizeof(bits));
-    return bits;
-}
-
-static float4 random_row(uint64_t *seed, double reach)
-{
-    return (float4){(float)random_between(seed, -reach, reach),
-                    (float)random_between(seed, -reach, reach),
-                    (float)random_between(seed, -reach, reach), 0.0f};
-}
-
-static double length_of(float4 v)
-{
-    return sqrt((double)v.x * v.x + (double)v.y * v.y + (double)v.z * v.z);
-}
-
-// A light of a type somewhere within +-20 m.
-static void make_light(struct fixture *out, uint32_t i, uint type, uint64_t *seed)
-{
-    struct light *light = &out->lights[i];
-    struct light_shape *shape = &out->shapes[i];
-    const double bright = random_between(seed, 0.1, 10.0);
-    uint kind = type | i << LIGHT_SHAPE_SHIFT;
-    light->org_range = random_row(seed, 20.0);
-    light->color_kind = (float4){(float)bright, (float)bright, (float)bright, 0.0f};
-    out->power[i] = (float)(4.0 * M_PI * bright);
-    shape->edge_u = random_row(seed, 1.0);
-    shape->edge_v = random_row(seed, 1.0);
-    if (type == LIGHT_POINT || type == LIGHT_SPOT)
-        light->org_range.w = i % 3 == 0 ? LIGHT_NO_RANGE : (float)random_between(seed, 1.0, 9.0);
-    if (type == LIGHT_SPOT) {
-        const float scale = (float)(1.0 / length_of(shape->edge_u));
-        shape->edge_u.x *= scale;
-        shape->edge_u.y *= scale;
-        shape->edge_u.z *= scale;
-        shape->edge_u.w = 2.0f;
-        shape->edge_v.w = -2.0f * (float)random_unit(seed);
-    } else if (type != LIGHT_POINT && i % 2 == 0) {
-        kind |= LIGHT_TWO_SIDED;
-    }
-    light->color_kind.w = bits_to_float(kind);
-}
-
-static void build(struct fixture *out, uint32_t count, uint type_count, uint64_t seed)
-{
-    *out = (struct fixture){.count = count};
-    out->lights = calloc(count, sizeof(*out->lights));
-    out->shapes = calloc(count, sizeof(*out->shapes));
-    out->power = calloc(count, sizeof(*out->power));
-    for (uint32_t i = 0; i < count; i++)
-        make_light(out, i, i % type_count, &seed);
-    assert_int_equal(light_bvh_build(&out->bvh, out->lights, out->shapes, out->power, count),
-                     STATUS_OK);
-}
-
-static void release(struct fixture *fixture)
-{
-    light_bvh_free(&fixture->bvh);
-    free(fixture->power);
-    free(fixture->shapes);
-    free(fixture->lights);
-}
 
 static float cell(const struct light_bvh *bvh, uint32_t node, int row, uint32_t child)
 {
@@ -171,8 +89,8 @@ static void every_light_stands_in_one_leaf(void **state)
     (void)state;
     const uint32_t counts[] = {1, 2, 7, 8, 9, 100, 3000};
     for (int i = 0; i < 7; i++) {
-        struct fixture fixture;
-        build(&fixture, counts[i], 5, 1);
+        struct light_fixture fixture;
+        light_fixture_build(&fixture, counts[i], 5, 1);
         const struct light_bvh *bvh = &fixture.bvh;
         uint32_t *seen = calloc(counts[i], sizeof(*seen));
         uint32_t leaves = 0;
@@ -197,12 +115,12 @@ static void every_light_stands_in_one_leaf(void **state)
         for (uint32_t light = 0; light < counts[i]; light++)
             assert_int_equal(seen[light], 1);
         free(seen);
-        release(&fixture);
+        light_fixture_free(&fixture);
     }
 }
 
 // Checks that one child's bounds hold one light below it.
-static void check_held(const struct fixture *fixture, uint32_t place, uint32_t index)
+static void check_held(const struct light_fixture *fixture, uint32_t place, uint32_t index)
 {
     const struct light_bvh *bvh = &fixture->bvh;
     const uint32_t node = place >> 3;
@@ -254,8 +172,8 @@ static void bounds_hold_every_light_below(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 5; seed++) {
-        struct fixture fixture;
-        build(&fixture, 5 * PER_TYPE, seed == 5 ? 1 : 5, seed);
+        struct light_fixture fixture;
+        light_fixture_build(&fixture, 5 * PER_TYPE, seed == 5 ? 1 : 5, seed);
         for (uint32_t light = 0; light < fixture.count; light++) {
             uint32_t place = fixture.bvh.leaves[light];
             for (int level = 0; place != LIGHT_BVH_ROOT; level++) {
@@ -264,15 +182,15 @@ static void bounds_hold_every_light_below(void **state)
                 place = fixture.bvh.parents[place >> 3];
             }
         }
-        release(&fixture);
+        light_fixture_free(&fixture);
     }
 }
 
 static void power_is_the_sum_of_what_is_below(void **state)
 {
     (void)state;
-    struct fixture fixture;
-    build(&fixture, 3000, 5, 9);
+    struct light_fixture fixture;
+    light_fixture_build(&fixture, 3000, 5, 9);
     const struct light_bvh *bvh = &fixture.bvh;
     for (uint32_t node = 1; node < bvh->node_count; node++) {
         const uint32_t place = bvh->parents[node];
@@ -282,7 +200,7 @@ static void power_is_the_sum_of_what_is_below(void **state)
         const double whole = fabs((double)cell(bvh, place >> 3, 4, place & 7u));
         assert_true(fabs(sum - whole) <= 1e-5 * whole);
     }
-    release(&fixture);
+    light_fixture_free(&fixture);
 }
 
 // Lights in one place cannot be told apart: the depth must stay bounded all the same.
@@ -290,7 +208,7 @@ static void heaps_and_rows_of_lights_do_not_make_a_list(void **state)
 {
     (void)state;
     for (int row = 0; row < 2; row++) {
-        struct fixture fixture = {.count = 20000};
+        struct light_fixture fixture = {.count = 20000};
         fixture.lights = calloc(fixture.count, sizeof(*fixture.lights));
         fixture.power = calloc(fixture.count, sizeof(*fixture.power));
         for (uint32_t i = 0; i < fixture.count; i++) {
@@ -307,7 +225,7 @@ static void heaps_and_rows_of_lights_do_not_make_a_list(void **state)
                 place = fixture.bvh.parents[place >> 3];
             assert_true(level <= 12); // 20000 lights fill five levels of eight
         }
-        release(&fixture);
+        light_fixture_free(&fixture);
     }
 }
 
@@ -317,9 +235,9 @@ static void a_million_lights_take_few_bytes_each(void **state)
     static const char *const names[] = {"points", "points and spots", "all types"};
     const uint types[] = {1, 2, 5};
     for (int i = 0; i < 3; i++) {
-        struct fixture fixture;
+        struct light_fixture fixture;
         const double start_s = clock_seconds();
-        build(&fixture, MANY, types[i], 3);
+        light_fixture_build(&fixture, MANY, types[i], 3);
         const double seconds = clock_seconds() - start_s;
         const double bytes = (double)sizeof(struct light) + sizeof(*fixture.bvh.leaves) +
                              (double)fixture.bvh.node_count *
@@ -332,7 +250,7 @@ static void a_million_lights_take_few_bytes_each(void **state)
         print_message("%s: a million in %.2f s, %.1f bytes each, %.2f levels\n", names[i], seconds,
                       bytes, levels);
         assert_true(bytes < MOST);
-        release(&fixture);
+        light_fixture_free(&fixture);
     }
 }
 
