@@ -10,7 +10,7 @@
 #include "shared/material.h"
 
 #define GRID_MIN  2    // cells along a side of the triangle
-#define GRID_MAX  16   // cells: 256 points take 3 us
+#define GRID_MAX  12   // cells: 144 points take 10 us
 #define CELLS_MAX 3    // of a pyramid level looked at along an axis
 #define LEVEL_MAX 17   // levels of an image of 65535 texels
 #define MISSED    1024 // part of the brightest texel that is the least mean of what is not dark
