@@ -26,8 +26,8 @@ static inline bool light_node_holds(__global const struct light_node *node, cons
 }
 
 // Descends from the root to one light without a stack; where both children hold the point, one is
-// drawn, each time with the next number of a linear congruential sequence: one random number cut up
-// further and further would run out of bits in a deep tree, and its lights would never be drawn.
+// drawn, each time with a number mixed from the last: one random number cut up further and further
+// would run out of bits in a deep tree, and its lights would never be drawn.
 //
 //   pmf   out: probability of this light
 //   bits  32 random bits
@@ -51,7 +51,7 @@ static inline uint light_tree_draw(float *pmf, __global const struct light_node 
         if (left && right) {
             const float share = nodes[node].lo_left.w;
             take_left = rng_unit(bits) < share;
-            bits = bits * 747796405u + 2891336453u;
+            bits = rng_mix(bits);
             *pmf *= take_left ? share : 1.0f - share;
         }
         node = take_left ? node + 1 : child;

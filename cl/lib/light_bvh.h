@@ -107,7 +107,7 @@ static inline uint light_bvh_draw(float *pmf, __global const struct light_bvh_no
                 child = i;
             left -= weights[i];
         }
-        bits = bits * 747796405u + 2891336453u;
+        bits = rng_mix(bits);
         *pmf *= weights[child] / sum;
         word = ((__global const uint *)node)[11 * 8 + child];
     } while (!(word & LIGHT_BVH_LEAF));

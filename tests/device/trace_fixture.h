@@ -5,6 +5,12 @@
 #ifndef TESTS_DEVICE_TRACE_FIXTURE_H
 #define TESTS_DEVICE_TRACE_FIXTURE_H
 
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
 #include "stage_support.h"
 #include "trace_oracle.h"
 #include "trace_rays.h"
