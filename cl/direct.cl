@@ -22,7 +22,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     __global const struct triangle *triangles, __global const struct material *materials,
     __global const uint *texels, __constant struct settings *settings,
     __constant struct camera *camera, const struct batch batch, const uint bounce,
-    __global const struct light *restrict lights, __global const float4 *restrict light_nodes,
+    __global const struct light *restrict lights,
+    __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict queue, __global const struct hit *restrict hits,
     __global const struct shade *restrict shades, __global struct path *restrict paths,
     __global struct counters *counters)
@@ -63,8 +64,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
                 continue;
 
             // Draw a point on it, and weigh what comes from there.
-            const struct light_sample sampled =
-                light_sample(lights, light, &surface, p, rng_unit(bits.y), rng_unit(bits.z));
+            const struct light_sample sampled = light_sample(lights, shapes, light, &surface, p,
+                                                             rng_unit(bits.y), rng_unit(bits.z));
             if (max3(sampled.radiance) <= 0.0f)
                 continue;
             float density = 0.0f; // with which a bounce finds this direction
@@ -73,7 +74,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
                 continue;
             if (sampled.density > 0.0f) {
                 expected *= sampled.density;
-                if (!alone)
+                if (!alone && sampled.is_hittable)
                     value *= mis_weight(expected, density);
             }
 

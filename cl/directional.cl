@@ -1,16 +1,43 @@
-// Stage 6, directional: light from directional lights at every shaded hit, one shadow ray each.
+// Stage 6, directional: light from directional lights and the environment at every shaded hit, one
+// shadow ray each.
 //
-//   in    shades, queue of this bounce, directional lights, BVH
+//   in    shades, queue of this bounce, directional lights, environment, BVH
 //   out   paths[slot].radiance
 //   next  compact
 //
-// Variants: those of trace.
+// Variants: those of trace; ENV_MAP: there is an environment.
 
 #include "lib/bsdf.h"
+#include "lib/environment.h"
 #include "lib/queue.h"
 #include "lib/traverse.h"
+#include "shared/camera.h"
 #include "shared/light.h"
 #include "shared/settings.h"
+#include "shared/zorder.h"
+
+#if ENV_MAP
+
+// What one sample of the environment sends to a hit, times f cos over density; 0 where nothing.
+//
+//   dir    out: where from
+//   alone  no bounce could find it as well
+static inline float3 directional_draw(float3 *dir, const struct bsdf *b,
+                                      const struct environment_map map,
+                                      __global const float4 *restrict texels,
+                                      __global const struct environment_alias *restrict alias,
+                                      const bool alone, const uint4 bits)
+{
+    const struct environment_sample sampled = environment_draw(map, texels, alias, bits);
+    float density; // with which a bounce finds this direction
+    *dir = sampled.dir;
+    const float3 value = bsdf_eval(&density, b, sampled.dir) * sampled.radiance;
+    if (max3(value) <= 0.0f || sampled.density <= 0.0f)
+        return (float3)(0.0f);
+    return value * ((alone ? 1.0f : mis_weight(sampled.density, density)) / sampled.density);
+}
+
+#endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
@@ -19,7 +46,14 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     __global const uint *texels, __constant struct settings *settings, const uint bounce,
     __global const struct directional_light *restrict lights, __global const uint *restrict queue,
     __global const struct hit *restrict hits, __global const struct shade *restrict shades,
-    __global struct path *restrict paths, __global struct counters *counters)
+    __global struct path *restrict paths, __global struct counters *counters
+#if ENV_MAP
+    ,
+    __constant struct camera *camera, const struct batch batch, const struct environment_map map,
+    __global const float4 *restrict map_texels,
+    __global const struct environment_alias *restrict map_alias
+#endif
+)
 {
     struct surface surface;
     surface.vertices = vertices;
@@ -52,6 +86,20 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
             traced++;
             sum += value * traverse_light(nodes, woop, refs, &surface, p, dir, FLT_MAX);
         }
+#if ENV_MAP
+        const uint place = batch.first_pixel + slot;
+        const uint sample = batch.first_sample + place / batch.pixel_count;
+        const uint pixel = zorder_pixel(place % batch.pixel_count, camera->width, camera->height);
+        const uint4 bits = rng_bits(settings->seed, pixel, sample,
+                                    rng_dimension(bounce, RNG_USE_LIGHT, RNG_ENVIRONMENT));
+        float3 dir;
+        const float3 value = directional_draw(&dir, &b, map, map_texels, map_alias,
+                                              (shades[slot].flags & SHADE_NO_BOUNCE) != 0, bits);
+        if (max3(value) > 0.0f) {
+            traced++;
+            sum += value * traverse_light(nodes, woop, refs, &surface, p, dir, FLT_MAX);
+        }
+#endif
         paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;
     }
     if (traced != 0)

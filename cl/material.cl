@@ -106,9 +106,10 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __global const struct triangle *restrict triangles,
     __global const struct material *restrict materials,
     __global const uint *restrict triangle_emitters, __global const struct light *restrict lights,
-    __global const float4 *restrict light_nodes, __global const uint *restrict light_parents,
-    __global const uint *restrict light_leaves, __global struct ray *restrict rays,
-    __global struct path *restrict paths, __global struct shade *restrict shades,
+    __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
+    __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
+    __global struct ray *restrict rays, __global struct path *restrict paths,
+    __global struct shade *restrict shades,
 #if NORMAL_MAPS
     __global const uint *restrict tangents,
 #endif
@@ -223,7 +224,8 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             float weight = 1.0f;
             const uint emitter = triangle_emitters[hit.triangle];
             if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
-                const float area = lights[emitter].edge_u.w;
+                const uint kind = as_uint(lights[emitter].color_kind.w);
+                const float area = shapes[kind >> LIGHT_SHAPE_SHIFT].edge_u.w;
                 const float cosine = fabs(dot(geometric, dir));
                 const float3 before = normalize(oct_unpack(shades[slot].normal).xyz);
                 const float count = light_expected_count(settings, light_nodes, light_parents,

@@ -84,6 +84,8 @@ void lk_settings_init(struct lk_settings *settings)
         .spp = 64,
         .depth = 5,
         .shadow_rays = 1,
+        .env_strength = 1.0f,
+        .sky_turbidity = 3.0f,
         .leaf_size = 8,
     };
 }
@@ -158,6 +160,7 @@ void lk_image_free(struct lk_image *image)
     if (image == NULL)
         return;
     free((char *)image->info.settings.device);
+    free((char *)image->info.settings.env);
     free((char *)image->info.settings.camera);
     free((char *)image->info.scene.file);
     free(image->rgb);

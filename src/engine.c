@@ -14,6 +14,7 @@
 #include "prepare.h"
 #include "render.h"
 #include "scene/gltf_import.h"
+#include "settings.h"
 
 #define QUEUE_GPU                                                                                  \
     (1u << 21) // paths: an H100 needs 2 M rays to be full (241 Mrays/s at 32 K, 2759 at 2 M)
@@ -43,6 +44,7 @@ void lk_scene_free(struct lk_scene *scene)
 {
     if (scene == NULL)
         return;
+    surroundings_free(&scene->surroundings);
     prepared_free(&scene->prepared);
     scene_free(&scene->scene);
     free(scene);
@@ -61,7 +63,7 @@ static void describe_scene(struct lk_scene_info *out, const struct lk_scene *sce
                            const struct camera *camera, uint64_t capacity, bool textures_bound)
 {
     const struct prepared *p = &scene->prepared;
-    const struct upload_source source = prepared_source(p);
+    const struct upload_source source = prepared_source(scene);
     const struct upload_sizes sizes = upload_sizes(&source);
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -76,7 +78,9 @@ static void describe_scene(struct lk_scene_info *out, const struct lk_scene *sce
         .lights = {.point = p->emitters.point_count,
                    .spot = p->emitters.spot_count,
                    .rect = p->emitters.rectangle_count,
-                   .directional = p->emitters.directional_count,
+                   .disc = p->emitters.disc_count,
+                   .directional =
+                       p->emitters.directional_count + scene->surroundings.environment.has_sun,
                    .emissive_triangles = p->emitters.emissive_triangles},
         .memory = {.bvh = sizes.bvh,
                    .geometry = sizes.geometry,
@@ -114,33 +118,13 @@ static void choose_sampler(struct lk_settings *settings)
         settings->light_sampler = LK_LIGHTS_IMPORTANCE;
 }
 
-static enum status check_settings(const struct lk_settings *s)
-{
-    if (s->spp == 0 && !(s->time_s > 0.0))
-        return status_fail(STATUS_USAGE, "neither samples nor time end this render");
-    if (s->spp > 1u << 24)
-        return status_fail(STATUS_USAGE, "%u samples per pixel are more than 16777216", s->spp);
-    if (!isfinite(s->time_s) || s->time_s < 0.0)
-        return status_fail(STATUS_USAGE, "a time of %g s is none", s->time_s);
-    if (s->depth < 1 || s->depth > 255)
-        return status_fail(STATUS_USAGE, "a depth of %u is not within 1 .. 255", s->depth);
-    if (s->shadow_rays < 1 || s->shadow_rays > 64)
-        return status_fail(STATUS_USAGE, "%u shadow rays are not within 1 .. 64", s->shadow_rays);
-    if (s->leaf_size < 2 || s->leaf_size > 32)
-        return status_fail(STATUS_USAGE, "a leaf size of %u is not within 2 .. 32", s->leaf_size);
-    if (!isfinite(s->split_threshold) || s->split_threshold < 0.0f)
-        return status_fail(STATUS_USAGE, "a split threshold of %g m2 is none",
-                           (double)s->split_threshold);
-    return STATUS_OK;
-}
-
 enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
                              const struct lk_settings *settings)
 {
     struct camera camera;
     struct lk_settings chosen = *settings;
     choose_sampler(&chosen);
-    enum status status = check_settings(settings);
+    enum status status = settings_check(settings);
     if (status == STATUS_OK)
         status = prepare_scene(scene, &chosen);
     if (status == STATUS_OK)
@@ -275,7 +259,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
                           const struct lk_scene *scene)
 {
     const struct lk_settings *settings = &info->settings;
-    const struct upload_source source = prepared_source(&scene->prepared);
+    const struct upload_source source = prepared_source(scene);
     struct program_options options = {
         .persistent = settings->trace == LK_TRACE_PERSISTENT,
         .nodes_image = settings->nodes == LK_NODES_TEXTURE,
@@ -296,6 +280,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
 
     start = clock_seconds();
     options.alpha = r->scene.alpha;
+    options.environment = r->scene.map.width > 0;
     options.normal_maps = r->scene.normal_maps;
     options.layers = r->scene.layers;
     if (status == STATUS_OK)
@@ -344,6 +329,7 @@ static enum status take_image(struct lk_image **out, struct renderer *r,
     image->info.scene.file = copy_text(info->scene.file);
     image->info.settings.camera = copy_text(info->settings.camera);
     image->info.settings.device = copy_text(info->settings.device);
+    image->info.settings.env = copy_text(info->settings.env);
     *out = image;
     return STATUS_OK;
 }
@@ -354,7 +340,7 @@ static enum status begin(struct renderer *r, struct lk_render_info *info, struct
 {
     struct lk_settings *settings = &info->settings;
     struct lk_progress progress = {.stage = "preparing", .remaining_s = -1.0};
-    enum status status = check_settings(settings);
+    enum status status = settings_check(settings);
     choose_sampler(settings);
     if (status == STATUS_OK)
         status = render_report(hook, &progress);
@@ -373,7 +359,7 @@ static enum status begin(struct renderer *r, struct lk_render_info *info, struct
     describe_device(&info->device, &r->gpu.info);
     choose_variants(settings, &r->gpu.info);
     info->time_s.import = scene->import_s;
-    info->time_s.prepare = scene->prepared.seconds;
+    info->time_s.prepare = scene->prepared.seconds + scene->surroundings.seconds;
     progress.stage = "building kernels";
     progress.elapsed_s = clock_seconds() - r->start_s;
     status = plan_memory(info, scene, r);

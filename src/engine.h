@@ -8,6 +8,7 @@
 #include "lightkiln/lightkiln.h"
 #include "prep/bvh_pack.h"
 #include "prep/emitters.h"
+#include "prep/environment.h"
 #include "prep/flatten.h"
 #include "prep/light_bvh.h"
 #include "prep/light_tree.h"
@@ -29,9 +30,17 @@ struct prepared {
     double seconds; // it took
 };
 
+/** The environment of the last settings. All zero: none. */
+struct surroundings {
+    struct environment environment;
+    struct environment_request request; // what it was made from; its path is owned
+    double seconds;                     // it took
+};
+
 struct lk_scene {
     struct scene scene;
     struct prepared prepared;
+    struct surroundings surroundings;
     double import_s;
 };
 

@@ -1,6 +1,7 @@
 #include "prepare.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/clock.h"
 #include "core/log.h"
@@ -33,17 +34,63 @@ static enum status prepare_lights(struct prepared *out)
 {
     const struct emitters *emitters = &out->emitters;
     if (out->light_sampler == LK_LIGHTS_TREE)
-        return light_tree_build(&out->light_tree, emitters->lights, emitters->power,
-                                emitters->light_count);
+        return light_tree_build(&out->light_tree, emitters->lights, emitters->shapes,
+                                emitters->power, emitters->light_count);
     if (out->light_sampler == LK_LIGHTS_IMPORTANCE)
-        return light_bvh_build(&out->light_bvh, emitters->lights, emitters->power,
+        return light_bvh_build(&out->light_bvh, emitters->lights, emitters->shapes, emitters->power,
                                emitters->light_count);
     return STATUS_OK;
+}
+
+static bool is_same_request(const struct environment_request *a,
+                            const struct environment_request *b)
+{
+    const bool same_path =
+        a->path == b->path || (a->path != NULL && b->path != NULL && strcmp(a->path, b->path) == 0);
+    return same_path && a->rotation_deg == b->rotation_deg && a->strength == b->strength &&
+           a->sky_azimuth_deg == b->sky_azimuth_deg &&
+           a->sky_elevation_deg == b->sky_elevation_deg && a->sky_turbidity == b->sky_turbidity &&
+           memcmp(a->background, b->background, sizeof(a->background)) == 0;
+}
+
+static enum status prepare_surroundings(struct surroundings *old,
+                                        const struct lk_settings *settings)
+{
+    const double start = clock_seconds();
+    struct surroundings made = {
+        .request = {.path = settings->env,
+                    .rotation_deg = settings->env_rotation_deg,
+                    .strength = settings->env_strength,
+                    .sky_azimuth_deg = settings->sky_sun_deg[0],
+                    .sky_elevation_deg = settings->sky_sun_deg[1],
+                    .sky_turbidity = settings->sky_turbidity},
+    };
+    memcpy(made.request.background, settings->background, sizeof(made.request.background));
+    if (is_same_request(&made.request, &old->request))
+        return STATUS_OK;
+    const enum status status = environment_build(&made.environment, &made.request);
+    if (status != STATUS_OK)
+        return status;
+    made.request.path = settings->env != NULL ? strdup(settings->env) : NULL;
+    made.seconds = clock_seconds() - start;
+    surroundings_free(old);
+    *old = made;
+    return STATUS_OK;
+}
+
+void surroundings_free(struct surroundings *surroundings)
+{
+    environment_free(&surroundings->environment);
+    free((char *)surroundings->request.path);
+    *surroundings = (struct surroundings){0};
 }
 
 enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings)
 {
     struct prepared *old = &scene->prepared;
+    const enum status surrounded = prepare_surroundings(&scene->surroundings, settings);
+    if (surrounded != STATUS_OK)
+        return surrounded;
     if (old->ready && old->split_threshold == settings->split_threshold &&
         old->leaf_size == settings->leaf_size && old->light_sampler == settings->light_sampler)
         return STATUS_OK;
@@ -86,12 +133,14 @@ void prepared_free(struct prepared *prepared)
     *prepared = (struct prepared){0};
 }
 
-struct upload_source prepared_source(const struct prepared *prepared)
+struct upload_source prepared_source(const struct lk_scene *scene)
 {
+    const struct prepared *prepared = &scene->prepared;
     const struct upload_source source = {
         .geometry = &prepared->geometry,
         .bvh = &prepared->bvh,
         .emitters = &prepared->emitters,
+        .environment = &scene->surroundings.environment,
         .light_tree = &prepared->light_tree,
         .light_bvh = &prepared->light_bvh,
         .materials = &prepared->materials,

@@ -10,16 +10,19 @@
 #include "engine.h"
 
 /**
- * Prepares a scene for these settings, unless it already is. Fails as the modules of prep/ do.
+ * Prepares a scene and its surroundings for these settings, unless they already are. Fails as the
+ * modules of prep/ do.
  *
- * @param settings  split_threshold, leaf_size and light_sampler (not auto) are looked at.
+ * @param settings  split_threshold, leaf_size, light_sampler (not auto) and what makes the
+ *                  environment are looked at.
  */
 enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings);
 
-/** Releases what was prepared. Safe on an unprepared one. */
+/** Release what was prepared. Safe on unprepared ones. */
 void prepared_free(struct prepared *prepared);
+void surroundings_free(struct surroundings *surroundings);
 
 /** What upload() is to take. */
-struct upload_source prepared_source(const struct prepared *prepared);
+struct upload_source prepared_source(const struct lk_scene *scene);
 
 #endif

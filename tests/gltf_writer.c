@@ -246,6 +246,18 @@ void gltf_light(struct gltf_writer *writer, const float *position, const float *
     add_aimed_node(writer, position, target, json);
 }
 
+void gltf_area_light(struct gltf_writer *writer, const float *position, const float *target,
+                     const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    const int index = add_text(&writer->area_lights, format, list);
+    va_end(list);
+    char json[96];
+    snprintf(json, sizeof(json), "\"extensions\":{\"EXT_lights_area\":{\"light\":%d}}", index);
+    add_aimed_node(writer, position, target, json);
+}
+
 static void add_camera_node(struct gltf_writer *writer, const float *eye, const float *target)
 {
     char json[32];
@@ -298,9 +310,12 @@ static void write_file(FILE *file, struct gltf_writer *writer)
     write_array(file, "textures", &writer->textures);
     if (writer->textures.count > 0)
         fputs(",\n\"samplers\":[{\"magFilter\":9728,\"minFilter\":9728}]", file);
-    if (writer->lights.count > 0)
-        fprintf(file, ",\n\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]}}",
+    if (writer->lights.count + writer->area_lights.count > 0) {
+        fprintf(file, ",\n\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]},",
                 finish_section(&writer->lights));
+        fprintf(file, "\"EXT_lights_area\":{\"lights\":[%s]}}",
+                finish_section(&writer->area_lights));
+    }
     finish_section(&writer->bytes);
     fprintf(file,
             ",\n\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:application/octet-stream;base64,",

@@ -27,8 +27,8 @@ struct gltf_section {
 
 /** A scene in the making. */
 struct gltf_writer {
-    struct gltf_section nodes, meshes, materials, accessors, views, lights, cameras, images,
-        textures;
+    struct gltf_section nodes, meshes, materials, accessors, views, lights, area_lights, cameras,
+        images, textures;
     struct gltf_section bytes; // the buffer
 };
 
@@ -75,6 +75,10 @@ void gltf_room(struct gltf_writer *writer, int material, const float *lo, const 
  * shining towards another. */
 void gltf_light(struct gltf_writer *writer, const float *position, const float *target,
                 const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/** The same for a light of EXT_lights_area. */
+void gltf_area_light(struct gltf_writer *writer, const float *position, const float *target,
+                     const char *format, ...) __attribute__((format(printf, 4, 5)));
 
 /** Adds a camera that looks from a place at another; yfov in radians. */
 void gltf_camera(struct gltf_writer *writer, const char *name, const float *eye,

@@ -11,10 +11,11 @@
 
 // What one light sends to a point, by one sample of it.
 struct light_sample {
-    float3 dir;      // unit, from the point to the light
-    float distance;  // m
-    float3 radiance; // rgb of a surface; of a point light what stands for radiance / density
-    float density;   // of the direction, 1/sr, given this light; 0: no area, a ray cannot hit it
+    float3 dir;       // unit, from the point to the light
+    float distance;   // m
+    float3 radiance;  // rgb of a surface; of a point light what stands for radiance / density
+    float density;    // of the direction, 1/sr, given this light; 0: it has no area
+    bool is_hittable; // a ray can hit it
 };
 
 static inline bool light_node_holds(__global const struct light_node *node, const float3 p)
@@ -102,33 +103,42 @@ static inline float3 light_triangle_emission(const struct surface *surface, cons
     return emission * texture_fetch_pool(surface->texels, slot, uv).xyz;
 }
 
+// The place of a sample on a surface light, from two uniform numbers.
+static inline float2 light_place(const uint type, const float u0, const float u1)
+{
+    if (type == LIGHT_TRIANGLE && u0 + u1 > 1.0f) // fold the square onto the triangle
+        return (float2)(1.0f - u0, 1.0f - u1);
+    if (type == LIGHT_DISC)
+        return sqrt(u0) * cos_sin_turn(u1);
+    return (float2)(u0, u1);
+}
+
 // Samples one light from p. Radiance is 0 where nothing comes.
 //
 //   u0, u1  uniform numbers: the place on the light
 static inline struct light_sample light_sample(__global const struct light *lights,
+                                               __global const struct light_shape *shapes,
                                                const uint index, const struct surface *surface,
                                                const float3 p, const float u0, const float u1)
 {
     const struct light light = lights[index];
     const uint kind = as_uint(light.color_kind.w);
+    const uint type = kind & LIGHT_TYPE_MASK;
     struct light_sample out;
     out.radiance = (float3)(0.0f);
     out.density = 0.0f;
+    out.is_hittable = false;
 
     // Find the point on the light.
-    float s = u0;
-    float t = u1;
-    const uint type = kind & LIGHT_TYPE_MASK;
+    struct light_shape shape;
+    float2 place = (float2)(0.0f);
     float3 target = light.org_range.xyz;
-    if (type == LIGHT_TRIANGLE) {
-        // Fold the square onto the triangle.
-        if (s + t > 1.0f) {
-            s = 1.0f - s;
-            t = 1.0f - t;
-        }
+    if (type != LIGHT_POINT)
+        shape = shapes[kind >> LIGHT_SHAPE_SHIFT];
+    if (type > LIGHT_SPOT) {
+        place = light_place(type, u0, u1);
+        target += place.x * shape.edge_u.xyz + place.y * shape.edge_v.xyz;
     }
-    if (type == LIGHT_TRIANGLE || type == LIGHT_RECTANGLE)
-        target += s * light.edge_u.xyz + t * light.edge_v.xyz;
 
     const float3 way = target - p;
     const float distance2 = dot(way, way);
@@ -144,23 +154,25 @@ static inline struct light_sample light_sample(__global const struct light *ligh
         break;
     case LIGHT_SPOT: {
         const float cone =
-            clamp(-dot(out.dir, light.edge_u.xyz) * light.edge_u.w + light.edge_v.w, 0.0f, 1.0f);
+            clamp(-dot(out.dir, shape.edge_u.xyz) * shape.edge_u.w + shape.edge_v.w, 0.0f, 1.0f);
         out.radiance = light.color_kind.xyz *
                        (cone * cone * light_window(out.distance, light.org_range.w) / distance2);
         break;
     }
     default: {
-        const float3 normal = normalize(cross(light.edge_u.xyz, light.edge_v.xyz));
+        const float3 normal = normalize(cross(shape.edge_u.xyz, shape.edge_v.xyz));
         float cosine = -dot(normal, out.dir);
         if (kind & LIGHT_TWO_SIDED)
             cosine = fabs(cosine);
         if (cosine <= 0.0f)
             return out;
-        out.density = distance2 / (cosine * light.edge_u.w);
-        out.radiance = type == LIGHT_TRIANGLE
-                           ? light_triangle_emission(surface, as_uint(light.edge_v.w),
-                                                     light.color_kind.xyz, s, t)
-                           : light.color_kind.xyz;
+        const uint triangle = as_uint(shape.edge_v.w);
+        out.density = distance2 / (cosine * shape.edge_u.w);
+        out.is_hittable = triangle != EMITTER_NONE;
+        out.radiance =
+            type == LIGHT_TRIANGLE
+                ? light_triangle_emission(surface, triangle, light.color_kind.xyz, place.x, place.y)
+                : light.color_kind.xyz;
         break;
     }
     }

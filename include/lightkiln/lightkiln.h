@@ -87,8 +87,8 @@ LK_API enum lk_status lk_scene_load(struct lk_scene **out, const char *path);
 LK_API void lk_scene_free(struct lk_scene *scene);
 
 struct lk_lights {
-    uint64_t point, spot, rect, directional;
-    uint64_t emissive_triangles; // those in rectangles, too
+    uint64_t point, spot, rect, disc, directional; // the sun of a sky is directional
+    uint64_t emissive_triangles;                   // those in rectangles, too
 };
 
 /** Bytes on the device, but for peak_host. */
@@ -96,7 +96,7 @@ struct lk_memory {
     uint64_t bvh;       // nodes, Woop rows, reference words
     uint64_t geometry;  // vertices, triangles
     uint64_t materials; // with textures
-    uint64_t lights;    // with their tree
+    uint64_t lights;    // with their hierarchy and the environment
     uint64_t rays;      // per-path data of the ray queue
     uint64_t film;      // accumulators
     uint64_t total_device;
@@ -210,7 +210,16 @@ struct lk_settings {
     enum lk_light_sampler light_sampler;
     enum lk_quantity quantity;
     enum lk_brdf brdf;
-    const char *device; // "cpu", "gpu", "P:D", or part of a name; NULL: the best
+    const char *env;        // lat-long image that lights the scene, HDR or EXR; its middle looks
+                            // along -Z, +X is to the right of that; NULL: none
+    float env_rotation_deg; // of that image about +Y, counter-clockwise from above; default 0
+    float env_strength;     // factor of that image, or of sky and sun; default 1
+    float background[3];    // radiance from all around, cd/m2; default 0, 0, 0
+    float sky_sun_deg[2];   // azimuth (0 is -Z, 90 is +X) and elevation, up to 90, of the sun of
+                            // a clear sky; elevation 0: no sky. Of env, background and sky at
+                            // most one
+    float sky_turbidity;    // haze of that sky, 2 .. 10; default 3
+    const char *device;     // "cpu", "gpu", "P:D", or part of a name; NULL: the best
     enum lk_trace trace;
     enum lk_textures textures;
     enum lk_nodes nodes;

@@ -18,25 +18,35 @@
 
 enum light_type {
     LIGHT_POINT = 0,
-    LIGHT_SPOT = 1, // edge_u.w, edge_v.w: scale and offset of KHR_lights_punctual's cone falloff
-    LIGHT_TRIANGLE = 2, // one emissive triangle
-    LIGHT_RECTANGLE = 3 // two emissive triangles that make a rectangle
+    LIGHT_SPOT = 1,
+    LIGHT_TRIANGLE = 2,  // one emissive triangle
+    LIGHT_RECTANGLE = 3, // two emissive triangles that make a rectangle, or a rectangle of its own
+    LIGHT_DISC = 4
 };
 
-#define LIGHT_TWO_SIDED 256u // bit of light.kind: emits on both sides
-#define LIGHT_TYPE_MASK 255u // bits of light.kind: enum light_type
-#define LIGHT_NO_RANGE  0.0f // light.range of a light that reaches everywhere
+#define LIGHT_TYPE_MASK   255u // bits of light.color_kind.w: enum light_type
+#define LIGHT_TWO_SIDED   256u // bit of it: emits on both sides
+#define LIGHT_SHAPE_SHIFT 9u   // bits of it from here on: index of the shape; 0 for points
+#define LIGHT_NO_RANGE    0.0f // light.range of a light that reaches everywhere
 
-// One light, world space. A point on a triangle or rectangle is org + s edge_u + t edge_v, with
-// s, t >= 0 and s + t <= 1 (triangle) or s, t <= 1 (rectangle); its front is where edge_u x edge_v
-// points. Only triangles can be textured.
+// One light, world space: what every kind of it has.
 struct light {
-    float4 org_range;  // xyz position or corner, m; w affecting radius, m, or LIGHT_NO_RANGE
-    float4 color_kind; // rgb intensity, cd, or radiance, cd/m2; w bits of light_type and two-sided
-    float4 edge_u;     // xyz edge, m, or a spot's unit axis; w area, m2, or a spot's scale
-    float4 edge_v;     // xyz edge, m; w bits of the (first) triangle, or a spot's offset
+    float4 org_range;  // xyz position, or a surface's corner or middle, m; w affecting radius, m,
+                       // or LIGHT_NO_RANGE
+    float4 color_kind; // rgb intensity, cd, or radiance, cd/m2; w bits: type, sides, shape
 };
-SHARED_SIZE(light, 64);
+SHARED_SIZE(light, 32);
+
+// What all but points have. A surface is org + s edge_u + t edge_v, with s, t >= 0 and s + t <= 1
+// (triangle), 0 <= s, t <= 1 (rectangle), or s^2 + t^2 <= 1 (disc); its front is where
+// edge_u x edge_v points. Only triangles can be textured.
+struct light_shape {
+    float4 edge_u; // xyz edge, m, or a spot's unit axis; w area, m2, or the scale of a spot's
+                   // falloff in KHR_lights_punctual
+    float4 edge_v; // xyz edge, m; w bits of the (first) triangle, EMITTER_NONE where no ray can hit
+                   // the light, or the offset of a spot's falloff
+};
+SHARED_SIZE(light_shape, 32);
 
 // A directional light: in no tree, it reaches everything.
 struct directional_light {

@@ -18,6 +18,9 @@ enum rng_use {
     RNG_USE_LIGHT = 2,  // x: which light; y, z: place on it
 };
 
+// The index, among those of RNG_USE_LIGHT, that draws from the environment: past the last light.
+#define RNG_ENVIRONMENT 0x3fffffu
+
 // Names one block: 8 bits of depth, 2 of use, 22 of index (the number of the shadow ray).
 static inline uint rng_dimension(uint depth, uint use, uint index)
 {

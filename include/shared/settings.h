@@ -23,7 +23,7 @@ struct settings {
     uint light_count; // lights in the tree
     uint directional_count;
     uint material_count;
-    uint emitter_count; // lights that a ray can hit
+    uint emitter_count; // lights that a ray can meet: triangles, and the environment
     uint pad0, pad1, pad2, pad3;
 };
 SHARED_SIZE(settings, 48);

@@ -58,6 +58,8 @@ static void format_default(char *text, size_t size, const struct option *option)
         break;
     case OPTION_FLAG:
     case OPTION_TEXT:
+    case OPTION_FLOATS2:
+    case OPTION_FLOATS3:
     case OPTION_MEGABYTES:
         break;
     }

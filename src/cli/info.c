@@ -44,6 +44,7 @@ static enum status print_info(const struct lk_scene_info *info, const struct lk_
         {"point", "point", info->lights.point},
         {"spot", "spot", info->lights.spot},
         {"rect", "rectangle", info->lights.rect},
+        {"disc", "disc", info->lights.disc},
         {"directional", "directional", info->lights.directional},
         {"emissive_triangles", "emissive triangles", info->lights.emissive_triangles},
     };

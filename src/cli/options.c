@@ -11,13 +11,15 @@
 #include "core/choices.h"
 
 // Columns of a row from `type` on.
-#define FLAG(field)             OPTION_FLAG, offsetof(struct options, field), 0, 0, NULL
-#define TEXT(field)             OPTION_TEXT, offsetof(struct options, field), 0, 0, NULL
-#define UINT(field, low, top)   OPTION_UINT, offsetof(struct options, field), low, top, NULL
-#define MEGABYTES(field)        OPTION_MEGABYTES, offsetof(struct options, field), 1, 1e9, NULL
-#define FLOAT(field, low, top)  OPTION_FLOAT, offsetof(struct options, field), low, top, NULL
-#define DOUBLE(field, low, top) OPTION_DOUBLE, offsetof(struct options, field), low, top, NULL
-#define CHOICE(field, words)    OPTION_CHOICE, offsetof(struct options, field), 0, 0, words
+#define FLAG(field)              OPTION_FLAG, offsetof(struct options, field), 0, 0, NULL
+#define TEXT(field)              OPTION_TEXT, offsetof(struct options, field), 0, 0, NULL
+#define UINT(field, low, top)    OPTION_UINT, offsetof(struct options, field), low, top, NULL
+#define MEGABYTES(field)         OPTION_MEGABYTES, offsetof(struct options, field), 1, 1e9, NULL
+#define FLOAT(field, low, top)   OPTION_FLOAT, offsetof(struct options, field), low, top, NULL
+#define FLOATS2(field, low, top) OPTION_FLOATS2, offsetof(struct options, field), low, top, NULL
+#define FLOATS3(field, low, top) OPTION_FLOATS3, offsetof(struct options, field), low, top, NULL
+#define DOUBLE(field, low, top)  OPTION_DOUBLE, offsetof(struct options, field), low, top, NULL
+#define CHOICE(field, words)     OPTION_CHOICE, offsetof(struct options, field), 0, 0, words
 #define HEADING(commands, text)                                                                    \
     {                                                                                              \
         NULL, 0, commands, NULL, text, NULL, 0, 0, 0, 0, NULL                                      \
@@ -52,6 +54,14 @@ const struct option option_table[] = {
     {"light-sampler", 0, RENDER, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
     {"brdf", 0, BOTH, NULL, "metallic-roughness, or diffuse + Phong lobe", NULL, CHOICE(settings.brdf, choices_brdf)},
     {"seed", 0, BOTH, "N", "another seed gives other noise", NULL, UINT(settings.seed, 0, UINT32_MAX)},
+
+    HEADING(BOTH, "Surroundings (at most one of --env, --sky and --background)"),
+    {"env", 0, BOTH, "FILE", "lat-long image, .hdr or .exr; its middle looks along -Z", NULL, TEXT(settings.env)},
+    {"env-rotation", 0, BOTH, "DEG", "turns it about +Y", NULL, FLOAT(settings.env_rotation_deg, -1e6, 1e6)},
+    {"env-strength", 0, BOTH, "X", "factor of it, or of sky and sun", NULL, FLOAT(settings.env_strength, 0, 1e30)},
+    {"sky", 0, BOTH, "AZ,EL", "clear sky; the sun's azimuth (0: -Z, 90: +X) and elevation", NULL, FLOATS2(settings.sky_sun_deg, -360, 360)},
+    {"turbidity", 0, BOTH, "T", "haze of the sky, 2 to 10", NULL, FLOAT(settings.sky_turbidity, 2, 10)},
+    {"background", 0, BOTH, "R,G,B", "the same radiance from all around", NULL, FLOATS3(settings.background, 0, 1e30)},
 
     HEADING(BOTH, "Device and kernels"),
     {"device", 0, BOTH, "WHICH", "cpu, gpu, P:D, or part of a name", "the best", TEXT(settings.device)},
@@ -168,6 +178,28 @@ static enum status parse_double(double *out, const struct option *option, const 
     return STATUS_OK;
 }
 
+// `count` numbers with commas between.
+static enum status parse_floats(float *out, const struct option *option, const char *value,
+                                int count)
+{
+    float numbers[3] = {0};
+    const char *at = value;
+    for (int i = 0; i < count; i++) {
+        char *end = NULL;
+        const double number = strtod(at, &end);
+        if (end == at || isspace((unsigned char)at[0]) || *end != (i + 1 < count ? ',' : '\0') ||
+            !isfinite(number) || number < option->min || number > option->max)
+            return status_fail(STATUS_USAGE,
+                               "--%s: \"%s\" is not %d numbers from %.10g to %.10g, with commas "
+                               "between",
+                               option->name, value, count, option->min, option->max);
+        numbers[i] = (float)number;
+        at = end + 1;
+    }
+    memcpy(out, numbers, (size_t)count * sizeof(*out));
+    return STATUS_OK;
+}
+
 static enum status parse_choice(int *out, const struct option *option, const char *value)
 {
     char list[256] = "";
@@ -215,6 +247,12 @@ static enum status set_value(struct options *options, const struct option *optio
         status = parse_double(&number, option, value);
         if (status == STATUS_OK)
             *(float *)field = (float)number;
+        break;
+    case OPTION_FLOATS2:
+        status = parse_floats(field, option, value, 2);
+        break;
+    case OPTION_FLOATS3:
+        status = parse_floats(field, option, value, 3);
         break;
     case OPTION_DOUBLE:
         status = parse_double(&number, option, value);

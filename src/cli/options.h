@@ -44,6 +44,8 @@ enum option_type {
     OPTION_UINT,      // uint32_t
     OPTION_MEGABYTES, // uint64_t in bytes
     OPTION_FLOAT,     // float
+    OPTION_FLOATS2,   // float[2], with a comma between
+    OPTION_FLOATS3,   // float[3]
     OPTION_DOUBLE,    // double
     OPTION_CHOICE     // an enum
 };

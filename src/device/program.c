@@ -38,6 +38,7 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "NORMAL_MAPS", chosen->normal_maps);
     add_define(options, text, "LAYERS", chosen->layers);
     add_define(options, text, "BRDF_PHONG", chosen->brdf_phong);
+    add_define(options, text, "ENV_MAP", chosen->environment);
     if (chosen->light_sampler != 0)
         add_define(options, text, "LIGHT_SAMPLER", chosen->light_sampler);
 }

@@ -29,6 +29,7 @@ struct program_options {
     bool layers;         // the scene has materials with some of lib/layers.h
     int light_sampler;   // direct, material: LIGHT_SAMPLER_... of shared/settings.h
     bool brdf_phong;     // the thesis's BSDF
+    bool environment;    // directional: there is an environment
     bool no_cache;       // build from source
 };
 

@@ -18,10 +18,13 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
         .materials = source->materials->material_count * sizeof(struct material) +
                      source->materials->texel_count * sizeof(uint32_t),
         .lights =
-            lights * (sizeof(struct light) + sizeof(uint32_t)) +
+            lights * sizeof(struct light) +
+            source->emitters->shape_count * sizeof(struct light_shape) +
+            (source->light_tree->light_count + source->light_bvh->light_count) * sizeof(uint32_t) +
             source->light_tree->node_count * (sizeof(struct light_node) + sizeof(uint32_t)) +
             source->light_bvh->node_count * (sizeof(struct light_bvh_node) + sizeof(uint32_t)) +
-            source->emitters->directional_count * sizeof(struct directional_light),
+            source->emitters->directional_count * sizeof(struct directional_light) +
+            environment_size(source->environment),
     };
     if (source->emitters->triangle_emitters != NULL)
         sizes.lights += geometry->triangle_count * sizeof(uint32_t);
@@ -84,6 +87,33 @@ static enum status upload_hierarchy(struct device_scene *out, struct gpu *gpu, c
     return status;
 }
 
+// Uploads the environment, and the directional lights with its sun.
+static enum status upload_far_lights(struct device_scene *out, struct gpu *gpu,
+                                     const struct emitters *emitters,
+                                     const struct environment *environment)
+{
+    const uint32_t count = emitters->directional_count + environment->has_sun;
+    const size_t texels = (size_t)environment->map.width * environment->map.height;
+    struct directional_light *lights = calloc((size_t)count + 1, sizeof(*lights));
+    if (lights == NULL)
+        return status_fail(STATUS_NO_MEMORY, "no memory for %u directional lights", count);
+    if (emitters->directional_count > 0)
+        memcpy(lights, emitters->directional, emitters->directional_count * sizeof(*lights));
+    lights[emitters->directional_count] = environment->sun;
+    enum status status = buffer_create(&out->directional, gpu, count * sizeof(*lights), lights,
+                                       "directional lights");
+    free(lights);
+    if (status == STATUS_OK)
+        status = buffer_create(&out->map_texels, gpu, texels * sizeof(*environment->texels),
+                               environment->texels, "environment");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->map_alias, gpu, texels * sizeof(*environment->alias),
+                               environment->alias, "environment");
+    out->directional_count = count;
+    out->map = environment->map;
+    return status;
+}
+
 static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
                                  const struct upload_source *source)
 {
@@ -98,6 +128,9 @@ static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
     if (status == STATUS_OK)
         status = buffer_create(&out->lights, gpu, emitters->light_count * sizeof(*emitters->lights),
                                emitters->lights, "lights");
+    if (status == STATUS_OK)
+        status = buffer_create(&out->shapes, gpu, emitters->shape_count * sizeof(*emitters->shapes),
+                               emitters->shapes, "shapes of lights");
     if (status == STATUS_OK && source->light_bvh->node_count > 0)
         status = upload_hierarchy(out, gpu, bvh->nodes, bvh->node_count * sizeof(*bvh->nodes),
                                   bvh->parents, bvh->node_count, bvh->leaves, bvh->light_count);
@@ -105,12 +138,9 @@ static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
         status = upload_hierarchy(out, gpu, tree->nodes, tree->node_count * sizeof(*tree->nodes),
                                   tree->parents, tree->node_count, tree->leaves, tree->light_count);
     if (status == STATUS_OK)
-        status = buffer_create(&out->directional, gpu,
-                               emitters->directional_count * sizeof(*emitters->directional),
-                               emitters->directional, "directional lights");
+        status = upload_far_lights(out, gpu, emitters, source->environment);
     out->light_count = emitters->light_count;
-    out->directional_count = emitters->directional_count;
-    out->emitter_count = emitters->rectangle_count + emitters->triangle_count;
+    out->emitter_count = emitters->emissive_triangles + (out->map.width > 0);
     return status;
 }
 
@@ -193,10 +223,13 @@ enum status upload(struct device_scene *out, struct gpu *gpu, const struct uploa
 
 void device_scene_free(struct gpu *gpu, struct device_scene *scene)
 {
+    buffer_free(gpu, &scene->map_alias);
+    buffer_free(gpu, &scene->map_texels);
     buffer_free(gpu, &scene->directional);
     buffer_free(gpu, &scene->light_leaves);
     buffer_free(gpu, &scene->light_parents);
     buffer_free(gpu, &scene->light_nodes);
+    buffer_free(gpu, &scene->shapes);
     buffer_free(gpu, &scene->lights);
     for (uint32_t i = 0; i < scene->image_count; i++)
         buffer_free(gpu, &scene->images[i]);

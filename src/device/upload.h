@@ -12,6 +12,7 @@
 #include "device/buffer.h"
 #include "prep/bvh_pack.h"
 #include "prep/emitters.h"
+#include "prep/environment.h"
 #include "prep/flatten.h"
 #include "prep/light_bvh.h"
 #include "prep/light_tree.h"
@@ -22,6 +23,7 @@ struct upload_source {
     const struct geometry *geometry;
     const struct packed_bvh *bvh;
     const struct emitters *emitters;
+    const struct environment *environment;
     const struct light_tree *light_tree; // the one that the sampler needs,
     const struct light_bvh *light_bvh;   // or neither; the others are empty
     const struct material_set *materials;
@@ -42,9 +44,11 @@ struct device_scene {
     struct buffer *images;     // [image_count], the first white for slots without one; owned
     uint32_t image_count;      // 0 unless textures are bound
     uint32_t *material_images; // [material_count * TEXTURE_USE_COUNT] index into images; owned
-    struct buffer lights, light_nodes, light_parents, light_leaves, directional;
+    struct buffer lights, shapes, light_nodes, light_parents, light_leaves, directional;
+    struct buffer map_texels, map_alias; // of the environment
+    struct environment_map map;          // 0 x 0 without one
     uint32_t material_count, light_count, directional_count;
-    uint32_t emitter_count; // lights that a ray can hit
+    uint32_t emitter_count; // lights that a ray can meet: triangles, and the environment
     bool alpha;             // some material lets rays by
     bool normal_maps;       // some material has one
     bool layers;            // some material has some of lib/layers.h

@@ -16,10 +16,28 @@ static void write_scene(struct json *json, const struct lk_scene_info *scene)
     json_uint(json, "point", scene->lights.point);
     json_uint(json, "spot", scene->lights.spot);
     json_uint(json, "rect", scene->lights.rect);
+    json_uint(json, "disc", scene->lights.disc);
     json_uint(json, "directional", scene->lights.directional);
     json_uint(json, "emissive_triangles", scene->lights.emissive_triangles);
     json_object_end(json);
     json_object_end(json);
+}
+
+// What lights the scene from far away, as the options name it.
+static void write_environment(struct json *json, const struct lk_settings *settings)
+{
+    json_string(json, "env", settings->env);
+    json_float(json, "env_rotation", settings->env_rotation_deg);
+    json_float(json, "env_strength", settings->env_strength);
+    json_array(json, "background");
+    for (int k = 0; k < 3; k++)
+        json_float(json, NULL, settings->background[k]);
+    json_array_end(json);
+    json_array(json, "sky");
+    for (int k = 0; k < 2; k++)
+        json_float(json, NULL, settings->sky_sun_deg[k]);
+    json_array_end(json);
+    json_float(json, "sky_turbidity", settings->sky_turbidity);
 }
 
 static void write_picture_settings(struct json *json, const struct lk_settings *settings)
@@ -33,6 +51,7 @@ static void write_picture_settings(struct json *json, const struct lk_settings *
     json_string(json, "light_sampler", choices_light_sampler[settings->light_sampler]);
     json_string(json, "quantity", choices_quantity[settings->quantity]);
     json_string(json, "brdf", choices_brdf[settings->brdf]);
+    write_environment(json, settings);
     json_string(json, "trace", choices_trace[settings->trace]);
     json_string(json, "textures", choices_textures[settings->textures]);
     json_string(json, "nodes", choices_nodes[settings->nodes]);

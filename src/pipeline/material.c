@@ -56,6 +56,7 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&scene->materials),
         ARG_BUFFER(&scene->triangle_emitters),
         ARG_BUFFER(&scene->lights),
+        ARG_BUFFER(&scene->shapes),
         ARG_BUFFER(&scene->light_nodes),
         ARG_BUFFER(&scene->light_parents),
         ARG_BUFFER(&scene->light_leaves),
@@ -63,7 +64,7 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->shades),
     };
-    size_t shared_count = 19; // arguments that every variant takes
+    size_t shared_count = 20; // arguments that every variant takes
     if (material->normal_maps)
         args[shared_count++] = (struct kernel_arg)ARG_BUFFER(&scene->tangents);
     if (material->textures_bound)

@@ -1,5 +1,15 @@
 #include "pipeline/pipeline.h"
 
+static bool has_environment(const struct device_scene *scene)
+{
+    return scene->map.width > 0;
+}
+
+static bool has_far_lights(const struct device_scene *scene)
+{
+    return scene->directional_count > 0 || has_environment(scene);
+}
+
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options)
 {
@@ -7,13 +17,15 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     enum status status = raygen_build(&p.raygen, gpu, options, &p.built);
     if (status == STATUS_OK)
         status = trace_build(&p.trace, gpu, options, &p.built);
+    if (status == STATUS_OK && has_environment(scene))
+        status = environment_stage_build(&p.environment, gpu, options, &p.built);
     if (status == STATUS_OK && options->textures_bound)
         status = sort_build(&p.sort, gpu, options, &p.built);
     if (status == STATUS_OK)
         status = material_build(&p.material, gpu, options, &p.built);
     if (status == STATUS_OK && scene->light_count > 0)
         status = direct_build(&p.direct, gpu, options, &p.built);
-    if (status == STATUS_OK && scene->directional_count > 0)
+    if (status == STATUS_OK && has_far_lights(scene))
         status = directional_build(&p.directional, gpu, options, &p.built);
     if (status == STATUS_OK)
         status = compact_build(&p.compact, gpu, options, &p.built);
@@ -31,13 +43,15 @@ static enum status enqueue_bounce(const struct pipeline *p, const struct stage_c
 {
     const bool shades = context->bounce < depth; // else emission is collected only
     enum status status = trace_enqueue(&p->trace, context);
+    if (status == STATUS_OK && has_environment(context->scene))
+        status = environment_stage_enqueue(&p->environment, context);
     if (status == STATUS_OK && p->options.textures_bound)
         status = sort_enqueue(&p->sort, context);
     if (status == STATUS_OK)
         status = material_enqueue(&p->material, context);
     if (status == STATUS_OK && shades && context->scene->light_count > 0)
         status = direct_enqueue(&p->direct, context);
-    if (status == STATUS_OK && shades && context->scene->directional_count > 0)
+    if (status == STATUS_OK && shades && has_far_lights(context->scene))
         status = directional_enqueue(&p->directional, context);
     if (status == STATUS_OK && context->bounce + 1 < bounces)
         status = compact_enqueue(&p->compact, context);
@@ -72,6 +86,7 @@ void pipeline_free(struct pipeline *pipeline)
     direct_free(&pipeline->direct);
     material_free(&pipeline->material);
     sort_free(&pipeline->sort);
+    environment_stage_free(&pipeline->environment);
     trace_free(&pipeline->trace);
     raygen_free(&pipeline->raygen);
     *pipeline = (struct pipeline){0};

@@ -14,10 +14,11 @@
 struct pipeline {
     struct raygen raygen;
     struct trace trace;
-    struct sort sort; // unused unless textures are bound
+    struct environment_stage environment; // unused without an environment
+    struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
     struct direct direct;           // unused without lights in the tree
-    struct directional directional; // unused without directional lights
+    struct directional directional; // unused without directional lights or an environment
     struct compact compact;
     struct program_options options;
     uint32_t built; // programs compiled from source

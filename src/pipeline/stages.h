@@ -54,6 +54,16 @@ enum status trace_build(struct trace *out, const struct gpu *gpu,
 enum status trace_enqueue(const struct trace *trace, const struct stage_context *context);
 void trace_free(struct trace *trace);
 
+struct environment_stage {
+    struct kernel kernel;
+};
+
+enum status environment_stage_build(struct environment_stage *out, const struct gpu *gpu,
+                                    const struct program_options *options, uint32_t *built);
+enum status environment_stage_enqueue(const struct environment_stage *environment,
+                                      const struct stage_context *context);
+void environment_stage_free(struct environment_stage *environment);
+
 struct sort {
     struct kernel keys, count, scan, scatter, ranges;
 };

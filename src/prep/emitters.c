@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "prep/array.h"
+#include "prep/color.h"
+#include "prep/emission.h"
 #include "prep/vec3.h"
 
 #define LIGHT_LIMIT         (1u << 22) // shared/rng.h numbers lights in 22 bits
@@ -16,14 +18,9 @@
 struct collector {
     const struct scene *scene;
     const struct geometry *geometry;
-    const double *luminance; // [material_count] mean emitted, cd/m2; 0: emits nothing
+    const struct emission *emission;
     struct emitters *emitters;
 };
-
-static double luminance_of(double r, double g, double b)
-{
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-}
 
 static float bits_to_float(uint bits)
 {
@@ -32,68 +29,80 @@ static float bits_to_float(uint bits)
     return f;
 }
 
-static double srgb_to_linear(double x)
-{
-    return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
-}
-
-// Averages the linear colour of an sRGB image.
-static void find_mean(double *out, const struct scene_image *image)
-{
-    // Count the values first: whole numbers sum up without error, and 256 of them are decoded.
-    uint64_t counts[3][256] = {{0}};
-    const uint64_t texels = (uint64_t)image->width * image->height;
-    for (uint64_t i = 0; i < texels; i++)
-        for (int k = 0; k < 3; k++)
-            counts[k][image->rgba[4 * i + k]]++;
-
-    for (int k = 0; k < 3; k++) {
-        double sum = 0.0;
-        for (int value = 0; value < 256; value++)
-            sum += (double)counts[k][value] * srgb_to_linear(value / 255.0);
-        out[k] = sum / (double)texels;
-    }
-}
-
-// Mean luminance that a material emits; 0 if none.
-static double find_luminance(const struct scene *scene, const struct scene_material *material)
-{
-    const float *e = material->emission;
-    double mean[3] = {1.0, 1.0, 1.0};
-    if (material->unlit || !(luminance_of(e[0], e[1], e[2]) > 0.0))
-        return 0.0;
-    if (material->emissive_texture.texture != SCENE_NONE)
-        find_mean(mean, &scene->images[scene->textures[material->emissive_texture.texture].image]);
-    return luminance_of(e[0] * mean[0], e[1] * mean[1], e[2] * mean[2]);
-}
-
-// Adds a light to the tree's. False if it is left out, since its power does not count in float.
-static bool add_light(struct collector *collector, const struct light *light, double power)
+// Adds a light to the hierarchy's, with a shape if it has one. False if it is left out, since its
+// power does not count in float.
+static bool add_light(struct collector *collector, struct light *light, uint32_t kind,
+                      const struct light_shape *shape, double power)
 {
     struct emitters *emitters = collector->emitters;
     const float rounded = (float)fmin(power, FLT_MAX);
     if (!(rounded > 0.0f))
         return false;
+    if (shape != NULL) {
+        kind |= emitters->shape_count << LIGHT_SHAPE_SHIFT;
+        emitters->shapes[emitters->shape_count++] = *shape;
+    }
+    light->color_kind.w = bits_to_float(kind);
     emitters->lights[emitters->light_count] = *light;
     emitters->power[emitters->light_count] = rounded;
     emitters->light_count++;
     return true;
 }
 
-static void add_punctual(struct collector *collector, const struct scene_light *light)
+static bool add_spot(struct collector *collector, const struct scene_light *source,
+                     struct light *light, double luminance)
+{
+    const float *dir = source->direction;
+    const double outer = cos(source->outer_angle_rad);
+    const double scale = 1.0 / fmax(CONE_MIN, cos(source->inner_angle_rad) - outer);
+    const struct light_shape shape = {
+        .edge_u = {dir[0], dir[1], dir[2], (float)scale},
+        .edge_v = {0.0f, 0.0f, 0.0f, (float)(-outer * scale)},
+    };
+    return add_light(collector, light, LIGHT_SPOT, &shape, luminance * 2.0 * PI * (1.0 - outer));
+}
+
+// Adds a rectangle or disc that is no surface of the scene.
+static bool add_area(struct collector *collector, const struct scene_light *source,
+                     struct light *light, double luminance)
+{
+    const bool disc = source->type == SCENE_LIGHT_DISC;
+    double u[3], v[3], normal[3];
+    vec3_load(u, source->half_u);
+    vec3_load(v, source->half_v);
+    vec3_cross(normal, u, v);
+    const double area = vec3_length(normal) * (disc ? PI : 4.0);
+    const float side = disc ? 1.0f : 2.0f; // in half edges
+    const struct light_shape shape = {
+        .edge_u = {side * source->half_u[0], side * source->half_u[1], side * source->half_u[2],
+                   (float)area},
+        .edge_v = {side * source->half_v[0], side * source->half_v[1], side * source->half_v[2],
+                   bits_to_float(EMITTER_NONE)},
+    };
+    if (!disc) {
+        light->org_range.x -= source->half_u[0] + source->half_v[0];
+        light->org_range.y -= source->half_u[1] + source->half_v[1];
+        light->org_range.z -= source->half_u[2] + source->half_v[2];
+    }
+    return (float)area > 0.0f && add_light(collector, light, disc ? LIGHT_DISC : LIGHT_RECTANGLE,
+                                           &shape, luminance * area * PI);
+}
+
+// Adds a light that the file places by a node.
+static void add_placed(struct collector *collector, const struct scene_light *light)
 {
     struct emitters *emitters = collector->emitters;
     const float *color = light->color;
     const float *position = light->position;
     const float *dir = light->direction;
-    const double luminance = luminance_of(color[0], color[1], color[2]);
+    const double luminance = color_luminance(color[0], color[1], color[2]);
     if (!(luminance > 0.0))
         return;
 
     struct light out = {
         .org_range = {position[0], position[1], position[2],
                       light->range > 0.0f ? light->range : LIGHT_NO_RANGE},
-        .color_kind = {color[0], color[1], color[2], bits_to_float(LIGHT_POINT)},
+        .color_kind = {color[0], color[1], color[2], 0.0f},
     };
     switch (light->type) {
     case SCENE_LIGHT_DIRECTIONAL:
@@ -101,17 +110,18 @@ static void add_punctual(struct collector *collector, const struct scene_light *
             .dir = {dir[0], dir[1], dir[2], 0.0f}, .color = {color[0], color[1], color[2], 0.0f}};
         break;
     case SCENE_LIGHT_POINT:
-        emitters->point_count += add_light(collector, &out, luminance * 4.0 * PI);
+        emitters->point_count +=
+            add_light(collector, &out, LIGHT_POINT, NULL, luminance * 4.0 * PI);
         break;
-    case SCENE_LIGHT_SPOT: {
-        const double outer = cos(light->outer_angle_rad);
-        const double scale = 1.0 / fmax(CONE_MIN, cos(light->inner_angle_rad) - outer);
-        out.color_kind.w = bits_to_float(LIGHT_SPOT);
-        out.edge_u = (float4){dir[0], dir[1], dir[2], (float)scale};
-        out.edge_v.w = (float)(-outer * scale);
-        emitters->spot_count += add_light(collector, &out, luminance * 2.0 * PI * (1.0 - outer));
+    case SCENE_LIGHT_SPOT:
+        emitters->spot_count += add_spot(collector, light, &out, luminance);
         break;
-    }
+    case SCENE_LIGHT_RECTANGLE:
+        emitters->rectangle_count += add_area(collector, light, &out, luminance);
+        break;
+    case SCENE_LIGHT_DISC:
+        emitters->disc_count += add_area(collector, light, &out, luminance);
+        break;
     }
 }
 
@@ -132,17 +142,19 @@ static bool add_surface(struct collector *collector, enum light_type type, uint3
     double normal[3];
     vec3_cross(normal, u, v);
     const double area = vec3_length(normal) * (type == LIGHT_TRIANGLE ? 0.5 : 1.0);
-    const uint kind = (uint)type | (source->double_sided ? LIGHT_TWO_SIDED : 0u);
-    const struct light light = {
+    const uint32_t kind = (uint32_t)type | (source->double_sided ? LIGHT_TWO_SIDED : 0u);
+    struct light light = {
         .org_range = {(float)corner[0], (float)corner[1], (float)corner[2], LIGHT_NO_RANGE},
-        .color_kind = {source->emission[0], source->emission[1], source->emission[2],
-                       bits_to_float(kind)},
+        .color_kind = {source->emission[0], source->emission[1], source->emission[2], 0.0f},
+    };
+    const struct light_shape shape = {
         .edge_u = {(float)u[0], (float)u[1], (float)u[2], (float)area},
         .edge_v = {(float)v[0], (float)v[1], (float)v[2], bits_to_float(triangle)},
     };
     const double sides = source->double_sided ? 2.0 : 1.0;
+    const double luminance = emission_of(collector->emission, collector->geometry, triangle);
     return (float)area > 0.0f &&
-           add_light(collector, &light, collector->luminance[material] * area * PI * sides);
+           add_light(collector, &light, kind, &shape, luminance * area * PI * sides);
 }
 
 static bool is_same(const double *a, const double *b)
@@ -218,7 +230,7 @@ static void add_surfaces(struct collector *collector)
 
     for (uint32_t i = 0; i < geometry->triangle_count; i++) {
         const uint32_t light = emitters->light_count;
-        if (!(collector->luminance[geometry->triangles[i].material] > 0.0))
+        if (!(emission_of(collector->emission, geometry, i) > 0.0))
             continue;
         if (add_rectangle(collector, i)) {
             emitters->triangle_emitters[i++] = light;
@@ -233,19 +245,21 @@ static void add_surfaces(struct collector *collector)
     }
 }
 
-// Allocates room for all that may be a light. `surface_count` triangles may emit.
-static enum status reserve(struct emitters *emitters, uint32_t punctual_count,
-                           uint32_t surface_count, uint32_t triangle_count)
+// Allocates room for all that may be a light: of those that the file places, `shape_count` are no
+// points; `surface_count` triangles may emit.
+static enum status reserve(struct emitters *emitters, const struct scene *scene,
+                           uint32_t shape_count, uint32_t surface_count, uint32_t triangle_count)
 {
-    const size_t count = (size_t)punctual_count + surface_count;
+    const size_t count = (size_t)scene->light_count + surface_count;
     emitters->lights = array_alloc(count, sizeof(*emitters->lights));
     emitters->power = array_alloc(count, sizeof(*emitters->power));
-    emitters->directional = array_alloc(punctual_count, sizeof(*emitters->directional));
+    emitters->shapes = array_alloc((size_t)shape_count + surface_count, sizeof(*emitters->shapes));
+    emitters->directional = array_alloc(scene->light_count, sizeof(*emitters->directional));
     if (surface_count > 0)
         emitters->triangle_emitters =
             array_alloc(triangle_count, sizeof(*emitters->triangle_emitters));
-    if (emitters->lights == NULL || emitters->power == NULL || emitters->directional == NULL ||
-        (surface_count > 0 && emitters->triangle_emitters == NULL))
+    if (emitters->lights == NULL || emitters->power == NULL || emitters->shapes == NULL ||
+        emitters->directional == NULL || (surface_count > 0 && emitters->triangle_emitters == NULL))
         return status_fail(STATUS_NO_MEMORY, "no memory for %zu lights", count);
     return STATUS_OK;
 }
@@ -253,27 +267,28 @@ static enum status reserve(struct emitters *emitters, uint32_t punctual_count,
 enum status emitters_build(struct emitters *out, const struct scene *scene,
                            const struct geometry *geometry)
 {
-    enum status status = STATUS_OK;
     struct emitters emitters = {0};
-    struct collector collector = {.scene = scene, .geometry = geometry, .emitters = &emitters};
-    double *luminance = array_alloc(scene->material_count, sizeof(*luminance));
-    if (luminance == NULL)
-        return status_fail(STATUS_NO_MEMORY, "no memory for %u materials", scene->material_count);
+    struct emission emission = {0};
+    struct collector collector = {
+        .scene = scene, .geometry = geometry, .emission = &emission, .emitters = &emitters};
+    enum status status = emission_build(&emission, scene, geometry);
+    if (status != STATUS_OK)
+        return status;
 
-    // Find which materials emit, and count their triangles.
+    // Count what may be a light.
     uint32_t surface_count = 0;
-    for (uint32_t i = 0; i < scene->material_count; i++)
-        luminance[i] = find_luminance(scene, &scene->materials[i]);
+    uint32_t shape_count = 0;
     for (uint32_t i = 0; i < geometry->triangle_count; i++)
-        surface_count += luminance[geometry->triangles[i].material] > 0.0;
-    collector.luminance = luminance;
-    status = reserve(&emitters, scene->light_count, surface_count, geometry->triangle_count);
+        surface_count += emission_of(&emission, geometry, i) > 0.0;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        shape_count += scene->lights[i].type != SCENE_LIGHT_POINT;
+    status = reserve(&emitters, scene, shape_count, surface_count, geometry->triangle_count);
     if (status != STATUS_OK)
         goto cleanup;
 
-    // Punctual lights first, in the order of the file, then surfaces.
+    // Lights that nodes place first, in the order of the file, then surfaces.
     for (uint32_t i = 0; i < scene->light_count; i++)
-        add_punctual(&collector, &scene->lights[i]);
+        add_placed(&collector, &scene->lights[i]);
     if (surface_count > 0)
         add_surfaces(&collector);
     if (emitters.light_count >= LIGHT_LIMIT) {
@@ -292,7 +307,7 @@ enum status emitters_build(struct emitters *out, const struct scene *scene,
 
 cleanup:
     emitters_free(&emitters);
-    free(luminance);
+    emission_free(&emission);
     return status;
 }
 
@@ -301,6 +316,7 @@ void emitters_free(struct emitters *emitters)
     free(emitters->directional);
     free(emitters->triangle_emitters);
     free(emitters->power);
+    free(emitters->shapes);
     free(emitters->lights);
     *emitters = (struct emitters){0};
 }

@@ -1,7 +1,7 @@
 /**
  * @file
- * Collects what emits light: punctual lights, rectangles and triangles of emissive surfaces,
- * directional lights.
+ * Collects what emits light: punctual and area lights, rectangles and triangles of emissive
+ * surfaces, directional lights.
  */
 #ifndef PREP_EMITTERS_H
 #define PREP_EMITTERS_H
@@ -15,19 +15,20 @@
 
 /** All zero is a valid set of no lights. */
 struct emitters {
-    struct light *lights; // [light_count], those of the light tree; owned
-    float
-        *power; // [light_count] luminous power, lm (factor of it where textured, mean taken); owned
+    struct light *lights;        // [light_count], those of the hierarchy; owned
+    struct light_shape *shapes;  // [shape_count], those of all lights but points; owned
+    float *power;                // [light_count] luminous power, lm, > 0; owned
     uint32_t *triangle_emitters; // [triangle_count] index into lights or EMITTER_NONE; NULL if none
                                  // emits; owned
     struct directional_light *directional; // [directional_count]; owned
-    uint32_t light_count, directional_count;
-    uint32_t point_count, spot_count, rectangle_count, triangle_count; // lights by type
+    uint32_t light_count, shape_count, directional_count;
+    uint32_t point_count, spot_count, rectangle_count, disc_count, triangle_count; // by type
     uint32_t emissive_triangles; // triangles that emit, in rectangles or alone
 };
 
 /**
- * Collects the emitters of a scene. Lights of no power are left out. Two consecutive triangles of
+ * Collects the emitters of a scene. Lights of no power are left out, emissive triangles whose
+ * texture is black all over them, too (prep/emission.h). Two consecutive triangles of
  * one material, neither textured nor masked, that make a rectangle become one LIGHT_RECTANGLE.
  * Unlit materials do not emit.
  *

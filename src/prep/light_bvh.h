@@ -3,8 +3,8 @@
  * The light BVH: a hierarchy over lights that is walked by estimated contribution.
  *
  * Source: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree
- * Splitting", PACMCGIT 1(2), 2018: bounds of position, orientation and power, built top-down by the
- * surface area orientation heuristic.
+ * Splitting", PACMCGIT 1(2), 2018: bounds of position, orientation and power, built as
+ * prep/light_cluster.h says.
  * Differs from it: nodes have 8 children, which are weighed at once with vectors of 8: a CPU walks
  * a level for the price of one child, fewer levels mean fewer decisions by coarse bounds, and a
  * child's bounds stand in its parent. Bounds know the lights' range, so that what cannot reach the
@@ -31,10 +31,12 @@ struct light_bvh {
  * Builds the BVH.
  *
  * @param lights  [light_count], borrowed.
+ * @param shapes  Those that the lights point to, borrowed.
  * @param power   [light_count], borrowed; luminous power, lm, > 0: emitters.power.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
-enum status light_bvh_build(struct light_bvh *out, const struct light *lights, const float *power,
+enum status light_bvh_build(struct light_bvh *out, const struct light *lights,
+                            const struct light_shape *shapes, const float *power,
                             uint32_t light_count);
 
 void light_bvh_free(struct light_bvh *bvh);

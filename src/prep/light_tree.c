@@ -31,6 +31,7 @@ struct key {
 struct builder {
     struct light_tree *tree;
     const struct light *lights;
+    const struct light_shape *shapes;
     const float *power;
     struct box *reach;  // [light_count] the box of what each light reaches
     uint32_t *order[3]; // [light_count] lights by centre
@@ -83,15 +84,22 @@ static struct box find_reach(const struct light *light)
 }
 
 // The middle of a light.
-static void find_center(float *out, const struct light *light)
+static void find_center(float *out, const struct builder *builder, uint32_t index)
 {
+    const struct light *light = &builder->lights[index];
     uint kind;
     memcpy(&kind, &light->color_kind.w, sizeof(kind));
     const uint type = kind & LIGHT_TYPE_MASK;
-    const float part = type == LIGHT_RECTANGLE ? 0.5f : type == LIGHT_TRIANGLE ? 1.0f / 3.0f : 0.0f;
-    out[0] = light->org_range.x + part * (light->edge_u.x + light->edge_v.x);
-    out[1] = light->org_range.y + part * (light->edge_u.y + light->edge_v.y);
-    out[2] = light->org_range.z + part * (light->edge_u.z + light->edge_v.z);
+    out[0] = light->org_range.x;
+    out[1] = light->org_range.y;
+    out[2] = light->org_range.z;
+    if (type != LIGHT_TRIANGLE && type != LIGHT_RECTANGLE)
+        return;
+    const struct light_shape *shape = &builder->shapes[kind >> LIGHT_SHAPE_SHIFT];
+    const float part = type == LIGHT_RECTANGLE ? 0.5f : 1.0f / 3.0f;
+    out[0] += part * (shape->edge_u.x + shape->edge_v.x);
+    out[1] += part * (shape->edge_u.y + shape->edge_v.y);
+    out[2] += part * (shape->edge_u.z + shape->edge_v.z);
 }
 
 static int compare_keys(const void *left, const void *right)
@@ -120,7 +128,7 @@ static uint32_t sort_lights(struct builder *builder, uint32_t count, bool *ok)
         uint32_t other = ranged_count;
         for (uint32_t i = 0; i < count; i++) {
             float center[3];
-            find_center(center, &builder->lights[i]);
+            find_center(center, builder, i);
             keys[is_ranged(&builder->lights[i]) ? ranged++ : other++] =
                 (struct key){center[axis], i};
         }
@@ -173,8 +181,8 @@ static struct split find_half(const struct builder *builder, uint32_t first, uin
     double extents[3];
     for (int axis = 0; axis < 3; axis++) {
         float lo[3], hi[3];
-        find_center(lo, &builder->lights[builder->order[axis][first]]);
-        find_center(hi, &builder->lights[builder->order[axis][first + count - 1]]);
+        find_center(lo, builder, builder->order[axis][first]);
+        find_center(hi, builder, builder->order[axis][first + count - 1]);
         extents[axis] = (double)hi[axis] - lo[axis];
         if (extents[axis] > extents[longest])
             longest = axis;
@@ -270,12 +278,13 @@ static void build_root(struct builder *builder, uint32_t ranged_count, uint32_t 
     build_node(builder, ranged_count, count - ranged_count, right, 0, 1);
 }
 
-enum status light_tree_build(struct light_tree *out, const struct light *lights, const float *power,
+enum status light_tree_build(struct light_tree *out, const struct light *lights,
+                             const struct light_shape *shapes, const float *power,
                              uint32_t light_count)
 {
     enum status status = STATUS_OK;
     struct light_tree tree = {0};
-    struct builder builder = {.tree = &tree, .lights = lights, .power = power};
+    struct builder builder = {.tree = &tree, .lights = lights, .shapes = shapes, .power = power};
     bool ok = true;
     if (light_count == 0) {
         *out = tree;

@@ -36,10 +36,12 @@ struct light_tree {
  *
  * @param[out] out  Written on success only; release with light_tree_free().
  * @param lights    [light_count], borrowed.
+ * @param shapes    Those that the lights point to, borrowed.
  * @param power     [light_count], borrowed; > 0.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
-enum status light_tree_build(struct light_tree *out, const struct light *lights, const float *power,
+enum status light_tree_build(struct light_tree *out, const struct light *lights,
+                             const struct light_shape *shapes, const float *power,
                              uint32_t light_count);
 
 /**

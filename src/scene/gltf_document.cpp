@@ -18,7 +18,8 @@ static const char BUFFER_STUB[] =
     "{\"byteLength\":1,\"uri\":\"data:application/octet-stream;base64,AA==\"}";
 
 // Extensions that change the picture and are implemented, or do not touch it.
-static const char *const SUPPORTED[] = {"EXT_mesh_gpu_instancing",
+static const char *const SUPPORTED[] = {"EXT_lights_area",
+                                        "EXT_mesh_gpu_instancing",
                                         "EXT_texture_webp",
                                         "KHR_lights_punctual",
                                         "KHR_materials_clearcoat",

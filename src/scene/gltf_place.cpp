@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "scene/gltf_accessor.hpp"
+#include "scene/gltf_light.hpp"
 #include "scene/gltf_mesh.hpp"
 #include "scene/gltf_node.hpp"
 
@@ -151,75 +152,6 @@ static void place_mesh(import_context &context, mesh_cache &cache, int node_inde
     }
 }
 
-// Reads the cone of a spot light.
-static void read_cone(const tinygltf::SpotLight &spot, const std::string &owner, scene_light &out)
-{
-    out.inner_angle_rad = finite_float(spot.innerConeAngle, owner, "innerConeAngle");
-    out.outer_angle_rad = finite_float(spot.outerConeAngle, owner, "outerConeAngle");
-    // Exporters write a right angle that rounding has carried a little further.
-    const float right_angle = static_cast<float>(PI / 2.0);
-    if (out.outer_angle_rad > right_angle && out.outer_angle_rad < right_angle + 1e-4f)
-        out.outer_angle_rad = right_angle;
-    if (out.inner_angle_rad < 0.0f || out.inner_angle_rad > out.outer_angle_rad ||
-        out.outer_angle_rad <= 0.0f || out.outer_angle_rad > right_angle)
-        fail_import(STATUS_FORMAT,
-                    "%s: cone angles %g and %g are not 0 <= inner <= outer <= pi / 2",
-                    owner.c_str(), spot.innerConeAngle, spot.outerConeAngle);
-}
-
-static scene_light convert_light(const tinygltf::Light &source, const std::string &owner)
-{
-    scene_light light = {};
-    if (source.type == "point")
-        light.type = SCENE_LIGHT_POINT;
-    else if (source.type == "spot")
-        light.type = SCENE_LIGHT_SPOT;
-    else if (source.type == "directional")
-        light.type = SCENE_LIGHT_DIRECTIONAL;
-    else
-        fail_import(STATUS_FORMAT, "%s: type \"%s\" does not exist", owner.c_str(),
-                    source.type.c_str());
-    if (!source.color.empty() && source.color.size() != 3)
-        fail_import(STATUS_FORMAT, "%s: color has %zu numbers, not 3", owner.c_str(),
-                    source.color.size());
-    for (size_t i = 0; i < 3; i++) {
-        const double channel = source.color.empty() ? 1.0 : source.color[i];
-        light.color[i] = finite_float(channel * source.intensity, owner, "color times intensity");
-        if (channel < 0.0 || source.intensity < 0.0)
-            fail_import(STATUS_FORMAT, "%s: its color or intensity is negative", owner.c_str());
-    }
-    light.range = finite_float(source.range, owner, "range");
-    if (light.range < 0.0f)
-        fail_import(STATUS_FORMAT, "%s: range %g is negative", owner.c_str(), source.range);
-    if (light.type == SCENE_LIGHT_SPOT)
-        read_cone(source.spot, owner, light);
-    return light;
-}
-
-static void place_light(import_context &context, int node_index)
-{
-    const tinygltf::Node &node = context.model.nodes[static_cast<size_t>(node_index)];
-    const tinygltf::Value *extension = find_extension(node.extensions, "KHR_lights_punctual");
-    if (extension == nullptr)
-        return;
-    const std::string owner = node_label(context, node_index);
-    const int index = index_member(*extension, "light", owner);
-    if (index < 0)
-        return;
-    if (static_cast<size_t>(index) >= context.model.lights.size())
-        fail_import(STATUS_FORMAT, "%s: there is no light %d", owner.c_str(), index);
-    const tinygltf::Light &source = context.model.lights[static_cast<size_t>(index)];
-    scene_light light =
-        convert_light(source, label("light", static_cast<size_t>(index), source.name));
-    light.name = arena_text(context, source.name.empty() ? node.name : source.name);
-    const node_pose &pose = context.poses[static_cast<size_t>(node_index)];
-    for (int i = 0; i < 3; i++) {
-        light.position[i] = finite_float(pose.to_world[i * 4 + 3], owner, "its place in the world");
-        light.direction[i] = static_cast<float>(-pose.rotation[i * 3 + 2]);
-    }
-    context.lights.push_back(light);
-}
-
 static void place_camera(import_context &context, int node_index)
 {
     const tinygltf::Node &node = context.model.nodes[static_cast<size_t>(node_index)];
@@ -265,6 +197,6 @@ void place_contents(import_context &context, const std::vector<int> &nodes)
             continue;
         if (context.model.nodes[i].mesh >= 0)
             place_mesh(context, cache, index);
-        place_light(context, index);
+        place_lights(context, index);
     }
 }

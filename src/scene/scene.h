@@ -103,18 +103,27 @@ struct scene_instance {
     double to_world[12]; // 3x4, row major: world = M (x, y, z, 1)
 };
 
-enum scene_light_type { SCENE_LIGHT_POINT, SCENE_LIGHT_SPOT, SCENE_LIGHT_DIRECTIONAL };
+enum scene_light_type {
+    SCENE_LIGHT_POINT,
+    SCENE_LIGHT_SPOT,
+    SCENE_LIGHT_DIRECTIONAL,
+    SCENE_LIGHT_RECTANGLE, // EXT_lights_area
+    SCENE_LIGHT_DISC       // EXT_lights_area
+};
 
-/** KHR_lights_punctual, placed in the world. Scale of the node changes nothing. */
+/** KHR_lights_punctual or EXT_lights_area, placed in the world. The node's scale changes nothing
+ * but the size of area lights. */
 struct scene_light {
     const char *name;
     enum scene_light_type type;
-    float color[3];        // colour times intensity: cd, or lux for directional
+    float color[3];        // colour times intensity: cd, lux (directional), or cd/m2 (area)
     float position[3];     // world, m
     float direction[3];    // world, unit: where the light goes (-Z of the node)
     float range;           // m; 0 if the file gives none
     float inner_angle_rad; // spot
     float outer_angle_rad; // spot
+    float half_u[3]; // area: half edges or radii, world, m, at a right angle; the light shines
+    float half_v[3]; // to where u x v points
 };
 
 struct scene_camera {

@@ -7,6 +7,7 @@
 
 #include "shared/bvh.h"
 #include "shared/camera.h"
+#include "shared/environment.h"
 #include "shared/film.h"
 #include "shared/geometry.h"
 #include "shared/light.h"
@@ -28,6 +29,11 @@
     S(camera)                                                                                      \
     M(camera, org) M(camera, corner) M(camera, right) M(camera, down) M(camera, forward)           \
     M(camera, width) M(camera, height) M(camera, orthographic) M(camera, pad0)                     \
+    S(environment_map)                                                                             \
+    M(environment_map, width) M(environment_map, height) M(environment_map, turn)                  \
+    M(environment_map, pad0)                                                                       \
+    S(environment_alias)                                                                           \
+    M(environment_alias, keep) M(environment_alias, other)                                         \
     S(film_pixel)                                                                                  \
     M(film_pixel, sum) M(film_pixel, carry)                                                        \
     S(vertex)                                                                                      \
@@ -35,7 +41,9 @@
     S(triangle)                                                                                    \
     M(triangle, v0) M(triangle, v1) M(triangle, v2) M(triangle, material)                          \
     S(light)                                                                                       \
-    M(light, org_range) M(light, color_kind) M(light, edge_u) M(light, edge_v)                     \
+    M(light, org_range) M(light, color_kind)                                                       \
+    S(light_shape)                                                                                 \
+    M(light_shape, edge_u) M(light_shape, edge_v)                                                  \
     S(directional_light)                                                                           \
     M(directional_light, dir) M(directional_light, color)                                          \
     S(light_node)                                                                                  \

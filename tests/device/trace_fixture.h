@@ -105,8 +105,9 @@ static inline void make_scene(struct trace_scene *out, const struct fixture *f,
                               struct geometry geometry, float split)
 {
     static const struct emitters no_emitters;
-    static const struct light_tree no_lights;
-    static const struct light_bvh no_light_bvh;
+    static const struct light_tree no_tree;
+    static const struct light_bvh no_bvh;
+    static const struct environment no_environment;
     struct tri_ref *refs = NULL;
     uint32_t ref_count = 0;
     struct bvh bvh;
@@ -127,8 +128,13 @@ static inline void make_scene(struct trace_scene *out, const struct fixture *f,
 
     const struct material_set materials = {.materials = out->materials,
                                            .material_count = MATERIALS};
-    const struct upload_source source = {&out->geometry, &out->packed,  &no_emitters,
-                                         &no_lights,     &no_light_bvh, &materials};
+    const struct upload_source source = {.geometry = &out->geometry,
+                                         .bvh = &out->packed,
+                                         .emitters = &no_emitters,
+                                         .environment = &no_environment,
+                                         .light_tree = &no_tree,
+                                         .light_bvh = &no_bvh,
+                                         .materials = &materials};
     assert_ok(upload(&out->buffers, f->gpu, &source, false, false));
     if (f->gpu->info.has_images)
         assert_ok(upload(&out->images, f->gpu, &source, true, false));

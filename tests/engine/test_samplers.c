@@ -86,7 +86,9 @@ static void samplers_agree_in_the_mean(void **state)
         const struct lk_settings tree = stage_settings(LK_LIGHTS_TREE, rays);
         const struct lk_settings uniform = stage_settings(LK_LIGHTS_UNIFORM, rays);
         assert_same_mean("tree", estimate_image(scene, &tree, SEEDS), exact);
+        const struct lk_settings importance = stage_settings(LK_LIGHTS_IMPORTANCE, rays);
         assert_same_mean("uniform", estimate_image(scene, &uniform, SEEDS), exact);
+        assert_same_mean("importance", estimate_image(scene, &importance, SEEDS), exact);
     }
     lk_scene_free(scene);
 }
@@ -101,13 +103,14 @@ static void samplers_agree_on_punctual_lights_alone(void **state)
     add_punctual_lights(&writer);
     struct lk_scene *scene = gltf_load(&writer);
 
-    struct estimate seen[LK_LIGHTS_ALL + 1];
-    for (int sampler = LK_LIGHTS_TREE; sampler <= LK_LIGHTS_ALL; sampler++) {
+    struct estimate seen[LK_LIGHTS_IMPORTANCE + 1];
+    for (int sampler = LK_LIGHTS_TREE; sampler <= LK_LIGHTS_IMPORTANCE; sampler++) {
         const struct lk_settings settings = stage_settings((enum lk_light_sampler)sampler, 1);
         seen[sampler] = estimate_image(scene, &settings, SEEDS);
     }
     assert_same_mean("tree", seen[LK_LIGHTS_TREE], seen[LK_LIGHTS_ALL]);
     assert_same_mean("uniform", seen[LK_LIGHTS_UNIFORM], seen[LK_LIGHTS_ALL]);
+    assert_same_mean("importance", seen[LK_LIGHTS_IMPORTANCE], seen[LK_LIGHTS_ALL]);
     lk_scene_free(scene);
 }
 
@@ -127,11 +130,14 @@ static void weights_of_both_ways_to_a_lamp_sum_to_one(void **state)
         const struct lk_settings all = stage_settings(LK_LIGHTS_ALL, 1);
         const struct lk_settings many = stage_settings(LK_LIGHTS_UNIFORM, 16);
         const struct lk_settings tree = stage_settings(LK_LIGHTS_TREE, 1);
+        const struct lk_settings importance = stage_settings(LK_LIGHTS_IMPORTANCE, 1);
         const struct estimate exact = estimate_image(scene, &all, SEEDS);
         snprintf(what, sizeof(what), "16 rays, roughness %g", roughness[i]);
         assert_same_mean(what, estimate_image(scene, &many, SEEDS), exact);
         snprintf(what, sizeof(what), "tree, roughness %g", roughness[i]);
         assert_same_mean(what, estimate_image(scene, &tree, SEEDS), exact);
+        snprintf(what, sizeof(what), "importance, roughness %g", roughness[i]);
+        assert_same_mean(what, estimate_image(scene, &importance, SEEDS), exact);
         lk_scene_free(scene);
     }
 }

@@ -50,11 +50,24 @@ static void make_quad(struct quad *out, const float *org, const float *u, const 
     out->scene = (struct scene){.materials = &out->material, .material_count = 1};
 }
 
+static uint bits_of(float value)
+{
+    uint bits;
+    memcpy(&bits, &value, sizeof(bits));
+    return bits;
+}
+
+// A light's type and sides.
 static uint kind_of(const struct light *light)
 {
-    uint kind;
-    memcpy(&kind, &light->color_kind.w, sizeof(kind));
-    return kind;
+    return bits_of(light->color_kind.w) & (LIGHT_TYPE_MASK | LIGHT_TWO_SIDED);
+}
+
+static const struct light_shape *shape_of(const struct emitters *emitters, uint32_t light)
+{
+    const uint kind = bits_of(emitters->lights[light].color_kind.w);
+    assert_true(kind >> LIGHT_SHAPE_SHIFT < emitters->shape_count);
+    return &emitters->shapes[kind >> LIGHT_SHAPE_SHIFT];
 }
 
 static double luminance(double r, double g, double b)
@@ -72,11 +85,12 @@ static const float unit_u[3] = {2.0f, 0.0f, 0.0f};
 static const float unit_v[3] = {0.0f, 3.0f, 0.0f};
 
 // The point at (s, t) of a light, and its front's direction.
-static void point_on(double *out, const struct light *light, double s, double t)
+static void point_on(double *out, const struct light *light, const struct light_shape *shape,
+                     double s, double t)
 {
-    out[0] = light->org_range.x + s * light->edge_u.x + t * light->edge_v.x;
-    out[1] = light->org_range.y + s * light->edge_u.y + t * light->edge_v.y;
-    out[2] = light->org_range.z + s * light->edge_u.z + t * light->edge_v.z;
+    out[0] = light->org_range.x + s * shape->edge_u.x + t * shape->edge_v.x;
+    out[1] = light->org_range.y + s * shape->edge_u.y + t * shape->edge_v.y;
+    out[2] = light->org_range.z + s * shape->edge_u.z + t * shape->edge_v.z;
 }
 
 static void check_rectangle(const struct emitters *emitters)
@@ -87,17 +101,18 @@ static void check_rectangle(const struct emitters *emitters)
     assert_int_equal(emitters->triangle_emitters[0], 0);
     assert_int_equal(emitters->triangle_emitters[1], 0);
     const struct light *light = &emitters->lights[0];
+    const struct light_shape *shape = shape_of(emitters, 0);
     assert_int_equal(kind_of(light), LIGHT_RECTANGLE);
-    assert_near(light->edge_u.w, 6.0);
+    assert_near(shape->edge_u.w, 6.0);
     assert_near(emitters->power[0], PI * 6.0 * luminance(1, 2, 3));
 
     // It is the square of the unit plane that the quad is: front to +Z, x from 1 to 3, y from 2
     // to 5, each corner once.
-    assert_true(light->edge_u.x * light->edge_v.y - light->edge_u.y * light->edge_v.x > 0.0f);
+    assert_true(shape->edge_u.x * shape->edge_v.y - shape->edge_u.y * shape->edge_v.x > 0.0f);
     double sum[2] = {0.0, 0.0};
     for (int i = 0; i < 4; i++) {
         double p[3];
-        point_on(p, light, i % 2, i / 2);
+        point_on(p, light, shape, i % 2, i / 2);
         assert_true(fabs(p[0] - 1.0) < EPSILON || fabs(p[0] - 3.0) < EPSILON);
         assert_true(fabs(p[1] - 2.0) < EPSILON || fabs(p[1] - 5.0) < EPSILON);
         assert_near(p[2], 3.0);
@@ -137,9 +152,7 @@ static void check_two_triangles(const struct quad *quad, double power)
     assert_int_equal(emitters.emissive_triangles, 2);
     double sum = 0.0;
     for (uint32_t i = 0; i < 2; i++) {
-        uint triangle;
-        memcpy(&triangle, &emitters.lights[i].edge_v.w, sizeof(triangle));
-        assert_int_equal(triangle, i);
+        assert_int_equal(bits_of(shape_of(&emitters, i)->edge_v.w), i);
         assert_int_equal(emitters.triangle_emitters[i], i);
         assert_int_equal(kind_of(&emitters.lights[i]) & LIGHT_TYPE_MASK, LIGHT_TRIANGLE);
         sum += emitters.power[i];
@@ -289,10 +302,11 @@ static void punctual_lights_follow_the_file(void **state)
 
     // The falloff is 1 on the inner cone and 0 on the outer one.
     const struct light *spot = &emitters.lights[1];
+    const struct light_shape *cone = shape_of(&emitters, 1);
     assert_int_equal(kind_of(spot), LIGHT_SPOT);
-    assert_true(spot->org_range.w == 9.0f && spot->edge_u.z == -1.0f);
-    assert_near(cos(0.3f) * spot->edge_u.w + spot->edge_v.w, 1.0);
-    assert_true(fabs(cos(0.6f) * spot->edge_u.w + spot->edge_v.w) < EPSILON);
+    assert_true(spot->org_range.w == 9.0f && cone->edge_u.z == -1.0f);
+    assert_near(cos(0.3f) * cone->edge_u.w + cone->edge_v.w, 1.0);
+    assert_true(fabs(cos(0.6f) * cone->edge_u.w + cone->edge_v.w) < EPSILON);
     assert_true(emitters.power[1] > 0.0f && emitters.power[1] < 4.0 * PI);
     emitters_free(&emitters);
 }
@@ -310,7 +324,7 @@ static void hard_cones_stay_finite(void **state)
     const struct geometry geometry = {0};
     struct emitters emitters;
     assert_int_equal(emitters_build(&emitters, &scene, &geometry), STATUS_OK);
-    assert_near(emitters.lights[0].edge_u.w, 1000.0);
+    assert_near(shape_of(&emitters, 0)->edge_u.w, 1000.0);
     emitters_free(&emitters);
     emitters_free(&emitters);
 }

@@ -46,7 +46,7 @@ static void build(struct fixture *out, uint64_t seed, uint32_t count, uint32_t u
                      far ? LIGHT_NO_RANGE : (float)random_between(&seed, 0.5, 5)};
         out->power[i] = (float)random_between(&seed, 0.01, 10);
     }
-    assert_int_equal(light_tree_build(&out->tree, out->lights, out->power, count), STATUS_OK);
+    assert_int_equal(light_tree_build(&out->tree, out->lights, NULL, out->power, count), STATUS_OK);
 }
 
 static void release(struct fixture *fixture)
@@ -316,7 +316,7 @@ static void equal_lights_make_an_even_tree(void **state)
             power[i] = 1.0f;
         }
         struct light_tree tree;
-        assert_int_equal(light_tree_build(&tree, lights, power, count), STATUS_OK);
+        assert_int_equal(light_tree_build(&tree, lights, NULL, power, count), STATUS_OK);
         check_structure(&tree);
         assert_int_equal(depth_of(&tree), 10);
         light_tree_free(&tree);
@@ -337,7 +337,7 @@ static void a_line_of_overlapping_lights_stays_bounded(void **state)
         power[i] = 1.0f;
     }
     struct light_tree tree;
-    assert_int_equal(light_tree_build(&tree, lights, power, count), STATUS_OK);
+    assert_int_equal(light_tree_build(&tree, lights, NULL, power, count), STATUS_OK);
     check_structure(&tree);
     assert_true(depth_of(&tree) <= 17 + (uint32_t)ceil(log(count) / log(4.0 / 3.0)));
     light_tree_free(&tree);
@@ -368,7 +368,7 @@ static void weak_lights_are_never_lost(void **state)
     const float power[2] = {FLT_MAX, FLT_MIN};
     const float p[3] = {0};
     struct light_tree tree;
-    assert_int_equal(light_tree_build(&tree, lights, power, 2), STATUS_OK);
+    assert_int_equal(light_tree_build(&tree, lights, NULL, power, 2), STATUS_OK);
     assert_true(light_tree_pmf(&tree, p, 0) > 0.0 && light_tree_pmf(&tree, p, 1) > 0.0);
     light_tree_free(&tree);
 }
@@ -377,7 +377,7 @@ static void no_lights_give_the_empty_tree(void **state)
 {
     (void)state;
     struct light_tree tree;
-    assert_int_equal(light_tree_build(&tree, NULL, NULL, 0), STATUS_OK);
+    assert_int_equal(light_tree_build(&tree, NULL, NULL, NULL, 0), STATUS_OK);
     assert_int_equal(tree.node_count, 0);
     light_tree_free(&tree);
     light_tree_free(&tree);

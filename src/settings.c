@@ -1,0 +1,50 @@
+#include "settings.h"
+
+#include <math.h>
+#include <stddef.h>
+
+// Checks what makes the environment.
+static enum status check_environment(const struct lk_settings *s)
+{
+    const float *color = s->background;
+    const bool has_background = color[0] != 0.0f || color[1] != 0.0f || color[2] != 0.0f;
+    if ((s->env != NULL) + has_background + (s->sky_sun_deg[1] != 0.0f) > 1)
+        return status_fail(STATUS_USAGE, "of an environment image, a sky and a background at most "
+                                         "one can be had");
+    for (int k = 0; k < 3; k++)
+        if (!isfinite(color[k]) || color[k] < 0.0f)
+            return status_fail(STATUS_USAGE, "a background of %g, %g, %g is none", (double)color[0],
+                               (double)color[1], (double)color[2]);
+    if (!isfinite(s->env_rotation_deg))
+        return status_fail(STATUS_USAGE, "the environment's rotation is not a finite number");
+    if (!isfinite(s->env_strength) || s->env_strength < 0.0f)
+        return status_fail(STATUS_USAGE, "an environment strength of %g is none",
+                           (double)s->env_strength);
+    if (!isfinite(s->sky_sun_deg[0]) || !(s->sky_sun_deg[1] >= 0.0f && s->sky_sun_deg[1] <= 90.0f))
+        return status_fail(STATUS_USAGE, "a sun %g degrees above the horizon is not within 0 .. 90",
+                           (double)s->sky_sun_deg[1]);
+    if (!(s->sky_turbidity >= 2.0f && s->sky_turbidity <= 10.0f))
+        return status_fail(STATUS_USAGE, "a turbidity of %g is not within 2 .. 10",
+                           (double)s->sky_turbidity);
+    return STATUS_OK;
+}
+
+enum status settings_check(const struct lk_settings *s)
+{
+    if (s->spp == 0 && !(s->time_s > 0.0))
+        return status_fail(STATUS_USAGE, "neither samples nor time end this render");
+    if (s->spp > 1u << 24)
+        return status_fail(STATUS_USAGE, "%u samples per pixel are more than 16777216", s->spp);
+    if (!isfinite(s->time_s) || s->time_s < 0.0)
+        return status_fail(STATUS_USAGE, "a time of %g s is none", s->time_s);
+    if (s->depth < 1 || s->depth > 255)
+        return status_fail(STATUS_USAGE, "a depth of %u is not within 1 .. 255", s->depth);
+    if (s->shadow_rays < 1 || s->shadow_rays > 64)
+        return status_fail(STATUS_USAGE, "%u shadow rays are not within 1 .. 64", s->shadow_rays);
+    if (s->leaf_size < 2 || s->leaf_size > 32)
+        return status_fail(STATUS_USAGE, "a leaf size of %u is not within 2 .. 32", s->leaf_size);
+    if (!isfinite(s->split_threshold) || s->split_threshold < 0.0f)
+        return status_fail(STATUS_USAGE, "a split threshold of %g m2 is none",
+                           (double)s->split_threshold);
+    return check_environment(s);
+}
