@@ -261,6 +261,10 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #endif
 
             material_bsdf(&b, material, &values, color);
+#if NORMAL_MAPS
+            if ((flags & MATERIAL_NORMAL_MAP) && luminance(b.f0) > luminance(b.diffuse))
+                b.normal = normal_map_bend(&b);
+#endif
             if (measures)
                 material_measure_irradiance(&b);
 #if LAYERS

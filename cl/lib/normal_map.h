@@ -46,5 +46,31 @@ static inline float3 normal_map_apply(const struct bsdf *b,
     return dot(mapped, b->view) > 1e-4f ? mapped : b->normal;
 }
 
+// The shading normal turned towards the geometric one until what is mirrored at it stays above the
+// surface: a metal would be black there.
+static inline float3 normal_map_bend(const struct bsdf *b)
+{
+    const float3 mirrored = 2.0f * dot(b->normal, b->view) * b->normal - b->view;
+    const float view_z = dot(b->view, b->geometric);
+    const float least = min2(0.9f * view_z, 0.025f); // cosine of the mirrored view
+    if (dot(mirrored, b->geometric) >= least)
+        return b->normal;
+
+    // In the plane of both normals, z along the geometric one: 2 (N V) Nz - Vz = least, which
+    // squared is quadratic in Nz^2.
+    const float3 across = b->normal - dot(b->normal, b->geometric) * b->geometric;
+    if (dot(across, across) < 1e-12f)
+        return b->geometric;
+    const float3 x = normalize(across);
+    const float view_x = dot(b->view, x);
+    const float a = max2(view_x * view_x + view_z * view_z, 1e-12f);
+    const float half_b = a + view_z * least;
+    const float c = (least + view_z) * (least + view_z);
+    const float root = sqrt(max2(half_b * half_b - a * c, 0.0f));
+    const float z2 = clamp(0.5f * (half_b + (view_x < 0.0f ? root : -root)) / a, 0.0f, 1.0f);
+    const float3 bent = sqrt(1.0f - z2) * x + sqrt(z2) * b->geometric;
+    return dot(bent, b->view) > 1e-4f ? bent : b->geometric;
+}
+
 #endif
 #endif
