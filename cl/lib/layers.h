@@ -143,7 +143,9 @@ static inline float3 layer_choose(struct bsdf *b, __global const struct material
             b->normal = normal;
             b->alpha = layer_alpha(material->coat_roughness * values->coat_roughness.y);
             b->f0 = (float3)(1.0f);
-            b->f90 = BRDF_PHONG ? 0.0f : 1.0f;
+#if !BRDF_PHONG
+            b->f90 = 1.0f;
+#endif
             return weight * (share / chance);
         }
         u = (u - chance) / (1.0f - chance);
