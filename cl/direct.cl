@@ -80,10 +80,9 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
 
             // Ask whether the way is free.
             traced++;
-            const struct hit blocker = traverse(nodes, woop, refs, &surface, p, sampled.dir, 0.0f,
-                                                sampled.distance * SHADOW_REACH, true);
-            if (blocker.triangle == HIT_NONE)
-                sum += value / expected;
+            sum += value / expected *
+                   traverse_light(nodes, woop, refs, &surface, p, sampled.dir,
+                                  sampled.distance * SHADOW_REACH);
         }
         paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;
     }

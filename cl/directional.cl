@@ -84,10 +84,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
             if (max3(value) <= 0.0f)
                 continue;
             traced++;
-            const struct hit blocker =
-                traverse(nodes, woop, refs, &surface, p, dir, 0.0f, FLT_MAX, true);
-            if (blocker.triangle == HIT_NONE)
-                sum += value;
+            sum += value * traverse_light(nodes, woop, refs, &surface, p, dir, FLT_MAX);
         }
 #if ENV_MAP
         const uint place = batch.first_pixel + slot;

@@ -6,15 +6,17 @@
 //   next  direct
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
-// section 3.3), else all hits of the queue at once, with texels from the pool; BRDF_PHONG;
-// LIGHT_SAMPLER.
+// section 3.3), else all hits of the queue at once, with texels from the pool; NORMAL_MAPS; LAYERS
+// (lib/layers.h); BRDF_PHONG; LIGHT_SAMPLER.
 
 #if TEXTURES_BOUND
 #define TEXTURE_IMAGES 1
 #endif
 
 #include "lib/bsdf.h"
+#include "lib/layers.h"
 #include "lib/light_sampler.h"
+#include "lib/normal_map.h"
 #include "shared/camera.h"
 #include "shared/ray.h"
 #include "shared/rng.h"
@@ -25,12 +27,6 @@
 #endif
 
 #define ROULETTE_DEPTH 2u // bounces before Russian roulette may end a path (thesis section 3.5)
-#define ALPHA_MIN      1e-3f // least microfacet alpha; below it D leaves float's range at grazing views
-
-// What the textures of a material say at one point.
-struct texture_values {
-    float4 base, surface, emissive, specular, specular_color;
-};
 
 // Reads the two workflows into BSDF parameters.
 static inline void material_bsdf(struct bsdf *b, __global const struct material *material,
@@ -72,7 +68,7 @@ static inline void material_bsdf(struct bsdf *b, __global const struct material 
     b->f90 = 0.0f;
 #else
     b->mirror = false;
-    b->alpha = max2(roughness * roughness, ALPHA_MIN);
+    b->alpha = max2(roughness * roughness, MATERIAL_SMOOTH);
 #endif
 }
 
@@ -88,6 +84,20 @@ static inline void material_measure_irradiance(struct bsdf *b)
     b->mirror = false;
 }
 
+#if LAYERS
+// A uniform number of the path's own, for choosing a layer.
+static inline float material_number(__constant struct settings *settings,
+                                    __constant struct camera *camera, const struct batch *batch,
+                                    const uint slot, const uint bounce)
+{
+    const uint place = batch->first_pixel + slot;
+    const uint sample = batch->first_sample + place / batch->pixel_count;
+    const uint pixel = zorder_pixel(place % batch->pixel_count, camera->width, camera->height);
+    return rng_unit(
+        rng_bits(settings->seed, pixel, sample, rng_dimension(bounce, RNG_USE_BSDF, 1)).x);
+}
+#endif
+
 __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __constant struct settings *settings, __constant struct camera *camera,
     const struct batch batch, const uint bounce, __global const struct counters *counters,
@@ -100,11 +110,25 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
     __global struct ray *restrict rays, __global struct path *restrict paths,
     __global struct shade *restrict shades,
+#if NORMAL_MAPS
+    __global const uint *restrict tangents,
+#endif
 #if TEXTURES_BOUND
     const uint material_index, __global const uint *restrict ranges,
     __read_only image2d_t base_image, __read_only image2d_t surface_image,
     __read_only image2d_t emissive_image, __read_only image2d_t specular_image,
     __read_only image2d_t specular_color_image
+#if NORMAL_MAPS
+    ,
+    __read_only image2d_t normal_image
+#endif
+#if LAYERS
+    ,
+    __read_only image2d_t transmission_image, __read_only image2d_t diffuse_transmission_image,
+    __read_only image2d_t diffuse_transmission_color_image, __read_only image2d_t coat_image,
+    __read_only image2d_t coat_roughness_image, __read_only image2d_t sheen_color_image,
+    __read_only image2d_t sheen_roughness_image
+#endif
 #else
     __global const uint *restrict texels
 #endif
@@ -154,6 +178,25 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
         values.specular = texture_fetch(specular_image, &material->textures[TEXTURE_SPECULAR], uv);
         values.specular_color =
             texture_fetch(specular_color_image, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+#if NORMAL_MAPS
+        values.normal = texture_fetch(normal_image, &material->textures[TEXTURE_NORMAL], uv);
+#endif
+#if LAYERS
+        values.transmission =
+            texture_fetch(transmission_image, &material->textures[TEXTURE_TRANSMISSION], uv);
+        values.diffuse_transmission = texture_fetch(
+            diffuse_transmission_image, &material->textures[TEXTURE_DIFFUSE_TRANSMISSION], uv);
+        values.diffuse_transmission_color =
+            texture_fetch(diffuse_transmission_color_image,
+                          &material->textures[TEXTURE_DIFFUSE_TRANSMISSION_COLOR], uv);
+        values.coat = texture_fetch(coat_image, &material->textures[TEXTURE_COAT], uv);
+        values.coat_roughness =
+            texture_fetch(coat_roughness_image, &material->textures[TEXTURE_COAT_ROUGHNESS], uv);
+        values.sheen_color =
+            texture_fetch(sheen_color_image, &material->textures[TEXTURE_SHEEN_COLOR], uv);
+        values.sheen_roughness =
+            texture_fetch(sheen_roughness_image, &material->textures[TEXTURE_SHEEN_ROUGHNESS], uv);
+#endif
 #else
         values.base = texture_fetch(texels, &material->textures[TEXTURE_BASE], uv);
         values.surface = texture_fetch(texels, &material->textures[TEXTURE_SURFACE], uv);
@@ -161,6 +204,12 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
         values.specular = texture_fetch(texels, &material->textures[TEXTURE_SPECULAR], uv);
         values.specular_color =
             texture_fetch(texels, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+#if NORMAL_MAPS
+        values.normal = texture_fetch(texels, &material->textures[TEXTURE_NORMAL], uv);
+#endif
+#if LAYERS
+        layer_fetch(&values, texels, material, uv);
+#endif
 #endif
         float4 color = (float4)(1.0f);
         if (flags & MATERIAL_VERTEX_COLOR) {
@@ -207,11 +256,24 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             normal = front ? normal : -normal;
             b.geometric = geometric;
             b.normal = dot(normal, b.view) > 1e-4f ? normal : geometric;
+#if LAYERS
+            const float3 smooth_normal = b.normal;
+#endif
+#if NORMAL_MAPS
+            if ((flags & MATERIAL_NORMAL_MAP) && !measures)
+                b.normal = normal_map_apply(&b, material, values.normal.xyz, front, tangents, tri,
+                                            hit.u, hit.v);
+#endif
 
             material_bsdf(&b, material, &values, color);
             if (measures)
                 material_measure_irradiance(&b);
-            const float3 start = surface_offset(p, geometric);
+#if LAYERS
+            else if (flags & MATERIAL_LAYERED)
+                throughput *= layer_choose(&b, material, &values, color, smooth_normal,
+                                           material_number(settings, camera, &batch, slot, bounce));
+#endif
+            const float3 start = surface_offset(p, b.geometric);
 
             // Pick the next direction; past the last shaded hit only to collect emission that
             // light samples cannot find as well.

@@ -1,11 +1,12 @@
 // Stage 2, trace: the nearest hit of every active ray.
 //
 //   in    rays and queue of this bounce, BVH
-//   out   hits[slot]
+//   out   hits[slot]; with LAYERS and ALPHA, paths[slot].throughput of rays through coloured panes
 //   next  sort
 //
 // Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
-// NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials whether they let a ray by.
+// NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials whether they let a ray by,
+// LAYERS also those that are thin and smooth.
 
 #include "lib/queue.h"
 #include "lib/traverse.h"
@@ -17,7 +18,12 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
     __global const struct triangle *triangles, __global const struct material *materials,
     __global const uint *texels, __global const struct ray *restrict rays,
     __global const uint *restrict queue, __global struct hit *restrict hits,
-    __global struct counters *counters, const uint bounce)
+    __global struct counters *counters, const uint bounce
+#if ALPHA && LAYERS
+    ,
+    __global struct path *restrict paths
+#endif
+)
 {
     struct surface surface;
     surface.vertices = vertices;
@@ -35,7 +41,22 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
         const uint slot = queue[i];
         const float4 org_tmin = rays[slot].org_tmin;
         const float4 dir_tmax = rays[slot].dir_tmax;
+#if ALPHA && LAYERS
+        struct passage passage;
+        passage_init(&passage);
+        const struct hit hit =
+            traverse_through(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
+                             dir_tmax.w, false, &passage, PASSAGE_CHANCE);
+        hits[slot] = hit;
+        if (passage.tinted) {
+            // What was tested beyond the hit has no part in it.
+            traverse_through(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
+                             hit.t, false, &passage, PASSAGE_TINT);
+            paths[slot].throughput_pdf.xyz *= passage.share;
+        }
+#else
         hits[slot] = traverse(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
                               dir_tmax.w, false);
+#endif
     }
 }

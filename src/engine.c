@@ -282,6 +282,8 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
     start = clock_seconds();
     options.alpha = r->scene.alpha;
     options.environment = r->scene.map.width > 0;
+    options.normal_maps = r->scene.normal_maps;
+    options.layers = r->scene.layers;
     if (status == STATUS_OK)
         status = pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options);
     if (status == STATUS_OK)

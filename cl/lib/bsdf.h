@@ -45,6 +45,10 @@ struct bsdf_sample {
 // Whether nothing but the Lambert term is left.
 static inline bool bsdf_is_lambert(const struct bsdf *b)
 {
+#if LAYERS
+    if (b->dielectric_f90 > 0.0f)
+        return false; // what comes through a coat that reflects some of it
+#endif
     return max3(b->f0) <= 0.0f && b->f90 <= 0.0f;
 }
 

@@ -12,6 +12,18 @@
 #include "lib/srgb.h"
 #include "shared/material.h"
 
+// What the textures of a material say at one point.
+struct texture_values {
+    float4 base, surface, emissive, specular, specular_color;
+#if NORMAL_MAPS
+    float4 normal;
+#endif
+#if LAYERS
+    float4 transmission, diffuse_transmission, diffuse_transmission_color;
+    float4 coat, coat_roughness, sheen_color, sheen_roughness;
+#endif
+};
+
 // Where the two texels of one axis lie, and how far between them the point is.
 struct texture_taps {
     int near, far;

@@ -4,14 +4,13 @@
  *
  * Source: T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009: the
  * while-while loop, both siblings tested together, the nearer first; Woop's test at the leaves.
- * Differs from it: the stack lies in private memory, and a triangle whose material lets some rays
- * by is asked whether it meets this one before it counts as a hit.
+ * Differs from it: the stack lies in private memory, and a triangle whose material lets some light
+ * by is asked before it counts as a hit (lib/passage.h).
  */
 #ifndef LIB_TRAVERSE_H
 #define LIB_TRAVERSE_H
 
-#include "lib/math.h"
-#include "lib/surface.h"
+#include "lib/passage.h"
 #include "shared/bvh.h"
 #include "shared/ray.h"
 
@@ -34,11 +33,12 @@ static inline float traverse_safe(const float x)
 // Finds what the ray hits between tmin and tmax.
 //
 //   any_hit  constant: true: some hit, as soon as there is one; false: the nearest
-//   surface  for alpha; read only where a reference is BVH_REF_ALPHA
-static inline struct hit traverse(BVH_NODES nodes, __global const struct woop *restrict woop,
-                                  __global const uint *restrict refs, const struct surface *surface,
-                                  const float3 org, const float3 dir, const float tmin,
-                                  const float tmax, const bool any_hit)
+//   surface  for alpha; read only where a reference is BVH_REF_ALPHA, as is
+//   passage  what the mode, a constant PASSAGE_..., asks of such surfaces
+static inline struct hit traverse_through(
+    BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
+    const struct surface *surface, const float3 org, const float3 dir, const float tmin,
+    const float tmax, const bool any_hit, struct passage *passage, const int mode)
 {
     struct hit hit; // the best so far
     hit.t = tmax;   // shrinks with every hit
@@ -125,7 +125,7 @@ static inline struct hit traverse(BVH_NODES nodes, __global const struct woop *r
                 const uint ref = refs[i];
 #if ALPHA
                 if ((ref & BVH_REF_ALPHA) &&
-                    !surface_meets(surface, ref & BVH_REF_TRIANGLE, u, v, org, dir))
+                    passage_ask(passage, mode, surface, ref & BVH_REF_TRIANGLE, u, v, org, dir))
                     continue;
 #endif
                 hit.t = t;
@@ -139,6 +139,31 @@ static inline struct hit traverse(BVH_NODES nodes, __global const struct woop *r
         }
     }
     return hit;
+}
+
+// As traverse_through(), by chance.
+static inline struct hit traverse(BVH_NODES nodes, __global const struct woop *restrict woop,
+                                  __global const uint *restrict refs, const struct surface *surface,
+                                  const float3 org, const float3 dir, const float tmin,
+                                  const float tmax, const bool any_hit)
+{
+    struct passage passage;
+    passage_init(&passage);
+    return traverse_through(nodes, woop, refs, surface, org, dir, tmin, tmax, any_hit, &passage,
+                            PASSAGE_CHANCE);
+}
+
+// The share of light that comes from up to tmax along the ray, for each colour.
+static inline float3 traverse_light(BVH_NODES nodes, __global const struct woop *restrict woop,
+                                    __global const uint *restrict refs,
+                                    const struct surface *surface, const float3 org,
+                                    const float3 dir, const float tmax)
+{
+    struct passage passage;
+    passage_init(&passage);
+    const struct hit blocker = traverse_through(nodes, woop, refs, surface, org, dir, 0.0f, tmax,
+                                                true, &passage, PASSAGE_SHARE);
+    return blocker.triangle == HIT_NONE ? passage.share : (float3)(0.0f);
 }
 
 #endif

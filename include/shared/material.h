@@ -18,7 +18,15 @@ enum texture_use {
     TEXTURE_EMISSIVE = 2, // rgb (sRGB)
     TEXTURE_SPECULAR = 3, // a: strength of KHR_materials_specular
     TEXTURE_SPECULAR_COLOR = 4, // rgb (sRGB)
-    TEXTURE_USE_COUNT = 5
+    TEXTURE_NORMAL = 5,         // tangent space; those from here on only in kernels that need them
+    TEXTURE_TRANSMISSION = 6,   // r
+    TEXTURE_DIFFUSE_TRANSMISSION = 7,       // a
+    TEXTURE_DIFFUSE_TRANSMISSION_COLOR = 8, // rgb (sRGB)
+    TEXTURE_COAT = 9,                       // r
+    TEXTURE_COAT_ROUGHNESS = 10,            // g
+    TEXTURE_SHEEN_COLOR = 11,               // rgb (sRGB)
+    TEXTURE_SHEEN_ROUGHNESS = 12,           // a
+    TEXTURE_USE_COUNT = 13
 };
 
 // texture_slot.flags
@@ -45,24 +53,37 @@ struct texture_slot {
 SHARED_SIZE(texture_slot, 48);
 
 // material.flags
-#define MATERIAL_SPECULAR_GLOSSINESS 1u  // else metallic-roughness
-#define MATERIAL_MASKED              2u  // alpha below the cut-off is not there
-#define MATERIAL_EMITS_BACK          4u  // emits on both sides
-#define MATERIAL_UNLIT               8u  // shows its base colour, reflects nothing
-#define MATERIAL_VERTEX_COLOR        16u // multiply with vertex_colors[]
-#define MATERIAL_BLENDED             32u // alpha is the share of rays that meet it
+#define MATERIAL_SPECULAR_GLOSSINESS 1u   // else metallic-roughness
+#define MATERIAL_MASKED              2u   // alpha below the cut-off is not there
+#define MATERIAL_EMITS_BACK          4u   // emits on both sides
+#define MATERIAL_UNLIT               8u   // shows its base colour, reflects nothing
+#define MATERIAL_VERTEX_COLOR        16u  // multiply with vertex_colors[]
+#define MATERIAL_BLENDED             32u  // alpha is the share of rays that meet it
+#define MATERIAL_NORMAL_MAP          64u  // TEXTURE_NORMAL bends the shading normal
+#define MATERIAL_LAYERED             128u // has some of lib/layers.h
+#define MATERIAL_TRANSMITS           256u // thin: some light goes through, unscattered if smooth
+
+// Roughness squared up to which a surface is smooth: below it GGX's D leaves float's range at
+// grazing views.
+#define MATERIAL_SMOOTH 1e-3f
 
 struct material {
     float4 base;     // rgb factor of base or diffuse colour, linear; a factor of alpha
     float4 emission; // rgb radiance factor, emissive_strength included; w alpha cut-off
     float4
         specular; // rgb factor of specular colour; w strength (KHR_materials_specular, 1 if absent)
-    float metallic;   // factor, 0 .. 1
-    float roughness;  // factor, 0 .. 1
-    float glossiness; // factor, 0 .. 1
-    uint flags;       // MATERIAL_...
+    float4 diffuse_transmission; // rgb factor of its colour; w factor, 0 .. 1
+    float4 sheen;                // rgb factor of its colour; w factor of its roughness, 0 .. 1
+    float metallic;              // factor, 0 .. 1
+    float roughness;             // factor, 0 .. 1
+    float glossiness;            // factor, 0 .. 1
+    uint flags;                  // MATERIAL_...
+    float normal_scale;          // of the normal map's x and y
+    float transmission;          // factor, 0 .. 1
+    float coat;                  // factor, 0 .. 1
+    float coat_roughness;        // factor, 0 .. 1
     struct texture_slot textures[TEXTURE_USE_COUNT];
 };
-SHARED_SIZE(material, 304);
+SHARED_SIZE(material, 736);
 
 #endif

@@ -52,4 +52,13 @@ static inline float4 oct_unpack(uint packed)
     return n;
 }
 
+// The lowest bit of v gives way to a flag; the error stays below 0.006 degrees.
+#define OCT_FLAG 0x10000u
+
+// Packs a unit tangent, and whether the bitangent runs against cross(normal, tangent).
+static inline uint tangent_pack(float x, float y, float z, uint against)
+{
+    return (oct_pack(x, y, z) & ~OCT_FLAG) | (against != 0 ? OCT_FLAG : 0u);
+}
+
 #endif

@@ -25,6 +25,8 @@ struct program_options {
     bool nodes_image;    // BVH nodes through a 1D texture
     bool alpha;          // the scene has materials that let rays by
     bool textures_bound; // material: one launch a material, its textures as images
+    bool normal_maps;    // the scene has materials with normal maps
+    bool layers;         // the scene has materials with some of lib/layers.h
     int light_sampler;   // direct, material: LIGHT_SAMPLER_... of shared/settings.h
     bool brdf_phong;     // the thesis's BSDF
     bool environment;    // directional: there is an environment

@@ -13,6 +13,7 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
                source->bvh->ref_count * (sizeof(struct woop) + sizeof(uint32_t)),
         .geometry = vertices * sizeof(struct vertex) +
                     (geometry->colors != NULL ? vertices * sizeof(*geometry->colors) : 0) +
+                    (geometry->tangents != NULL ? vertices * sizeof(*geometry->tangents) : 0) +
                     geometry->triangle_count * sizeof(struct triangle),
         .materials = source->materials->material_count * sizeof(struct material) +
                      source->materials->texel_count * sizeof(uint32_t),
@@ -58,6 +59,11 @@ static enum status upload_geometry(struct device_scene *out, struct gpu *gpu,
             &out->colors, gpu,
             geometry->colors != NULL ? geometry->vertex_count * sizeof(*geometry->colors) : 0,
             geometry->colors, "vertex colours");
+    if (status == STATUS_OK)
+        status = buffer_create(
+            &out->tangents, gpu,
+            geometry->tangents != NULL ? geometry->vertex_count * sizeof(*geometry->tangents) : 0,
+            geometry->tangents, "tangents");
     if (status == STATUS_OK)
         status = buffer_create(&out->triangles, gpu,
                                geometry->triangle_count * sizeof(*geometry->triangles),
@@ -186,8 +192,13 @@ static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
     if (status == STATUS_OK && textures_bound)
         status = upload_images(out, gpu, set);
     out->material_count = set->material_count;
-    for (uint32_t i = 0; i < set->material_count; i++)
-        out->alpha |= (set->materials[i].flags & (MATERIAL_MASKED | MATERIAL_BLENDED)) != 0;
+    const uint passing = MATERIAL_MASKED | MATERIAL_BLENDED | MATERIAL_TRANSMITS;
+    for (uint32_t i = 0; i < set->material_count; i++) {
+        const uint flags = set->materials[i].flags;
+        out->alpha |= (flags & passing) != 0;
+        out->normal_maps |= (flags & MATERIAL_NORMAL_MAP) != 0;
+        out->layers |= (flags & MATERIAL_LAYERED) != 0;
+    }
     return status;
 }
 
@@ -228,6 +239,7 @@ void device_scene_free(struct gpu *gpu, struct device_scene *scene)
     buffer_free(gpu, &scene->materials);
     buffer_free(gpu, &scene->triangle_emitters);
     buffer_free(gpu, &scene->triangles);
+    buffer_free(gpu, &scene->tangents);
     buffer_free(gpu, &scene->colors);
     buffer_free(gpu, &scene->vertices);
     buffer_free(gpu, &scene->refs);

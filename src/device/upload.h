@@ -39,7 +39,7 @@ struct device_scene {
     struct buffer nodes;     // struct bvh_node, or a view of them as a 1D texture
     struct buffer node_rows; // what the view views; empty without one
     struct buffer woop, refs;
-    struct buffer vertices, colors, triangles, triangle_emitters;
+    struct buffer vertices, colors, tangents, triangles, triangle_emitters;
     struct buffer materials, texels;
     struct buffer *images;     // [image_count], the first white for slots without one; owned
     uint32_t image_count;      // 0 unless textures are bound
@@ -50,6 +50,8 @@ struct device_scene {
     uint32_t material_count, light_count, directional_count;
     uint32_t emitter_count; // lights that a ray can meet: triangles, and the environment
     bool alpha;             // some material lets rays by
+    bool normal_maps;       // some material has one
+    bool layers;            // some material has some of lib/layers.h
 };
 
 /** What upload() will take on the device, images apart. */

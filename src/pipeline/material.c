@@ -4,6 +4,8 @@ enum status material_build(struct material_stage *out, const struct gpu *gpu,
                            const struct program_options *options, uint32_t *built)
 {
     out->textures_bound = options->textures_bound;
+    out->normal_maps = options->normal_maps;
+    out->layers = options->layers;
     return kernel_build(&out->kernel, gpu, "material", options, built);
 }
 
@@ -20,6 +22,9 @@ static enum status enqueue_bound(const struct material_stage *material,
         args[count++] = (struct kernel_arg)ARG_VALUE(m);
         args[count++] = (struct kernel_arg)ARG_BUFFER(&context->wavefront->ranges);
         for (int use = 0; use < TEXTURE_USE_COUNT; use++) {
+            if ((use == TEXTURE_NORMAL && !material->normal_maps) ||
+                (use > TEXTURE_NORMAL && !material->layers))
+                continue;
             const uint32_t image = scene->material_images[m * TEXTURE_USE_COUNT + use];
             args[count++] = (struct kernel_arg)ARG_BUFFER(&scene->images[image]);
         }
@@ -37,7 +42,7 @@ enum status material_enqueue(const struct material_stage *material,
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const struct buffer *order = material->textures_bound ? &w->slots[0] : stage_queue(context);
-    struct kernel_arg args[32] = {
+    struct kernel_arg args[40] = {
         ARG_BUFFER(&w->settings),
         ARG_BUFFER(&w->camera),
         ARG_VALUE(context->batch),
@@ -59,7 +64,9 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->shades),
     };
-    const size_t shared_count = 20; // arguments that both variants take
+    size_t shared_count = 20; // arguments that every variant takes
+    if (material->normal_maps)
+        args[shared_count++] = (struct kernel_arg)ARG_BUFFER(&scene->tangents);
     if (material->textures_bound)
         return enqueue_bound(material, context, args, shared_count);
     args[shared_count] = (struct kernel_arg)ARG_BUFFER(&scene->texels);

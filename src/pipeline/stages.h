@@ -46,6 +46,7 @@ void raygen_free(struct raygen *raygen);
 
 struct trace {
     struct kernel kernel;
+    bool tints; // the variant that writes paths
 };
 
 enum status trace_build(struct trace *out, const struct gpu *gpu,
@@ -76,7 +77,7 @@ void sort_free(struct sort *sort);
 
 struct material_stage {
     struct kernel kernel;
-    bool textures_bound;
+    bool textures_bound, normal_maps, layers; // the variant
 };
 
 enum status material_build(struct material_stage *out, const struct gpu *gpu,

@@ -3,6 +3,7 @@
 enum status trace_build(struct trace *out, const struct gpu *gpu,
                         const struct program_options *options, uint32_t *built)
 {
+    out->tints = options->alpha && options->layers;
     return kernel_build(&out->kernel, gpu, "trace", options, built);
 }
 
@@ -15,9 +16,10 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
         ARG_BUFFER(&scene->vertices),     ARG_BUFFER(&scene->colors), ARG_BUFFER(&scene->triangles),
         ARG_BUFFER(&scene->materials),    ARG_BUFFER(&scene->texels), ARG_BUFFER(&w->rays),
         ARG_BUFFER(stage_queue(context)), ARG_BUFFER(&w->hits),       ARG_BUFFER(&w->counters),
-        ARG_VALUE(context->bounce),
+        ARG_VALUE(context->bounce),       ARG_BUFFER(&w->paths),
     };
-    return kernel_enqueue(context->gpu, &trace->kernel, args, sizeof(args) / sizeof(args[0]),
+    const size_t count = sizeof(args) / sizeof(args[0]) - (trace->tints ? 0 : 1);
+    return kernel_enqueue(context->gpu, &trace->kernel, args, count,
                           stage_trace_items(context, &trace->kernel));
 }
 

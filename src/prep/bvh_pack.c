@@ -86,7 +86,8 @@ static void pack_refs(struct packed_bvh *packed, const struct bvh *bvh, const st
             memcpy(p[k], &geometry->vertices[corner[k]].pos_normal, sizeof(p[k]));
         woop_build(&packed->woop[i], p[0], p[1], p[2]);
         const struct scene_material *material = &materials[triangle->material];
-        const bool passes = material->masked || material->blended;
+        const bool passes =
+            material->masked || material->blended || scene_material_transmits(material);
         packed->refs[i] = index | (passes ? BVH_REF_ALPHA : 0u);
     }
 }

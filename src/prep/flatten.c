@@ -125,6 +125,32 @@ static void place_colors(uint2 *colors, const struct placement *placement)
     }
 }
 
+// Places tangents, shared among the threads of the team; +X where the mesh has none.
+static void place_tangents(uint *tangents, const struct placement *placement)
+{
+    const struct scene_mesh *mesh = placement->mesh;
+#pragma omp for schedule(static) nowait
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        double world[3] = {1.0, 0.0, 0.0};
+        bool against = false;
+        if (mesh->tangents != NULL) {
+            double local[3];
+            const float *tangent = mesh->tangents + 4 * (size_t)i;
+            vec3_load(local, tangent);
+            for (int k = 0; k < 3; k++)
+                world[k] = vec3_dot(placement->to_world + 4 * k, local);
+            // A mirrored instance turns the frame's hand.
+            against = (tangent[3] < 0.0f) != placement->turned;
+        }
+        const double largest = fmax(fabs(world[0]), fmax(fabs(world[1]), fabs(world[2])));
+        const double scale = largest > 0.0 && largest <= DBL_MAX ? 1.0 / largest : 0.0;
+        tangents[placement->vertex_first + i] =
+            scale > 0.0 ? tangent_pack((float)(world[0] * scale), (float)(world[1] * scale),
+                                       (float)(world[2] * scale), against)
+                        : tangent_pack(1.0f, 0.0f, 0.0f, against);
+    }
+}
+
 // Places triangles, shared among the threads of the team.
 static void place_triangles(struct triangle *triangles, const struct placement *placement)
 {
@@ -202,7 +228,7 @@ static void find_bounds(struct geometry *geometry)
 
 // Counts what the instances need, and prepares each.
 static enum status place_instances(struct geometry *geometry, struct placement *placements,
-                                   bool *has_colors, const struct scene *scene)
+                                   bool *has_colors, bool *has_tangents, const struct scene *scene)
 {
     uint64_t vertex_count = 0;
     uint64_t triangle_count = 0;
@@ -214,6 +240,7 @@ static enum status place_instances(struct geometry *geometry, struct placement *
         vertex_count += placement->mesh->vertex_count;
         triangle_count += placement->mesh->triangle_count;
         *has_colors = *has_colors || placement->mesh->colors != NULL;
+        *has_tangents = *has_tangents || placement->mesh->tangents != NULL;
 
         const uint64_t limit = BVH_REF_TRIANGLE;
         if (vertex_count > limit || triangle_count > limit)
@@ -235,6 +262,8 @@ static void fill(struct geometry *geometry, struct placement *placements, uint32
         place_triangles(geometry->triangles, &placements[i]);
         if (geometry->colors != NULL)
             place_colors(geometry->colors, &placements[i]);
+        if (geometry->tangents != NULL)
+            place_tangents(geometry->tangents, &placements[i]);
     }
 }
 
@@ -243,11 +272,12 @@ enum status geometry_build(struct geometry *out, const struct scene *scene)
     enum status status = STATUS_OK;
     struct geometry geometry = {0};
     bool has_colors = false;
+    bool has_tangents = false;
     struct placement *placements = array_alloc(scene->instance_count, sizeof(*placements));
     if (placements == NULL)
         return status_fail(STATUS_NO_MEMORY, "no memory for %u instances", scene->instance_count);
 
-    status = place_instances(&geometry, placements, &has_colors, scene);
+    status = place_instances(&geometry, placements, &has_colors, &has_tangents, scene);
     if (status != STATUS_OK)
         goto cleanup;
 
@@ -255,8 +285,10 @@ enum status geometry_build(struct geometry *out, const struct scene *scene)
     geometry.triangles = array_alloc(geometry.triangle_count, sizeof(*geometry.triangles));
     if (has_colors)
         geometry.colors = array_alloc(geometry.vertex_count, sizeof(*geometry.colors));
+    if (has_tangents)
+        geometry.tangents = array_alloc(geometry.vertex_count, sizeof(*geometry.tangents));
     if (geometry.vertices == NULL || geometry.triangles == NULL ||
-        (has_colors && geometry.colors == NULL)) {
+        (has_colors && geometry.colors == NULL) || (has_tangents && geometry.tangents == NULL)) {
         status = status_fail(STATUS_NO_MEMORY, "no memory for %u vertices and %u triangles",
                              geometry.vertex_count, geometry.triangle_count);
         goto cleanup;
@@ -287,6 +319,7 @@ cleanup:
 void geometry_free(struct geometry *geometry)
 {
     free(geometry->triangles);
+    free(geometry->tangents);
     free(geometry->colors);
     free(geometry->vertices);
     *geometry = (struct geometry){0};

@@ -17,6 +17,8 @@
 struct geometry {
     struct vertex *vertices; // [vertex_count]; owned
     uint2 *colors; // [vertex_count] or NULL: COLOR_0 as four unorm16, r in the low half of x; owned
+    uint *tangents; // [vertex_count] tangent_pack(), or NULL where no material has a normal map;
+                    // owned
     struct triangle *triangles; // [triangle_count]; owned
     uint32_t vertex_count, triangle_count;
     float lo[3], hi[3]; // bounds, m; all 0 if there is no triangle
@@ -25,7 +27,7 @@ struct geometry {
 /**
  * Places every instance. Normals go by the inverse transpose and are renormalised; where the
  * determinant is negative the winding is turned round, so that fronts stay fronts. Zero and
- * non-finite normals become the face's.
+ * non-finite normals become the face's. Tangents go as edges do.
  *
  * @param[out] out  Written on success only; release with geometry_free().
  * @retval STATUS_LIMIT      More than BVH_REF_TRIANGLE triangles or vertices.

@@ -6,7 +6,7 @@
 
 #define IMAGE_UNUSED UINT64_MAX // first texel of an image that no material uses
 
-// The five uses of a material, in the order of enum texture_use.
+// The uses of a material, in the order of enum texture_use.
 static void list_uses(const struct scene_texture_use *out[TEXTURE_USE_COUNT],
                       const struct scene_material *material)
 {
@@ -15,6 +15,14 @@ static void list_uses(const struct scene_texture_use *out[TEXTURE_USE_COUNT],
     out[TEXTURE_EMISSIVE] = &material->emissive_texture;
     out[TEXTURE_SPECULAR] = &material->specular_texture;
     out[TEXTURE_SPECULAR_COLOR] = &material->specular_color_texture;
+    out[TEXTURE_NORMAL] = &material->normal_texture;
+    out[TEXTURE_TRANSMISSION] = &material->transmission_texture;
+    out[TEXTURE_DIFFUSE_TRANSMISSION] = &material->diffuse_transmission_texture;
+    out[TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = &material->diffuse_transmission_color_texture;
+    out[TEXTURE_COAT] = &material->coat_texture;
+    out[TEXTURE_COAT_ROUGHNESS] = &material->coat_roughness_texture;
+    out[TEXTURE_SHEEN_COLOR] = &material->sheen_color_texture;
+    out[TEXTURE_SHEEN_ROUGHNESS] = &material->sheen_roughness_texture;
 }
 
 // The image of a use; SCENE_NONE if there is none.
@@ -68,16 +76,31 @@ static void pack_slot(struct texture_slot *out, const struct scene *scene,
                  texture->wrap_s << TEXTURE_WRAP_S_SHIFT | texture->wrap_t << TEXTURE_WRAP_T_SHIFT;
 }
 
+static uint layer_flags(const struct scene_material *material)
+{
+    const float *sheen = material->sheen_color;
+    const bool has_sheen = sheen[0] > 0.0f || sheen[1] > 0.0f || sheen[2] > 0.0f;
+    const bool layered = material->transmission > 0.0f || material->diffuse_transmission > 0.0f ||
+                         material->coat > 0.0f || has_sheen;
+    return (layered && !material->unlit ? MATERIAL_LAYERED : 0u) |
+           (scene_material_transmits(material) ? MATERIAL_TRANSMITS : 0u);
+}
+
 static void pack_material(struct material *out, const struct scene *scene,
                           const struct scene_material *material, const uint64_t *first)
 {
     const float *base = material->base_color;
     const float *emission = material->emission;
     const float *specular = material->specular_color;
+    const float *through = material->diffuse_transmission_color;
+    const float *sheen = material->sheen_color;
     *out = (struct material){
         .base = {base[0], base[1], base[2], base[3]},
         .emission = {emission[0], emission[1], emission[2], material->alpha_cutoff},
         .specular = {specular[0], specular[1], specular[2], material->specular_strength},
+        .diffuse_transmission = {through[0], through[1], through[2],
+                                 material->diffuse_transmission},
+        .sheen = {sheen[0], sheen[1], sheen[2], material->sheen_roughness},
         .metallic = material->metallic,
         .roughness = material->roughness,
         .glossiness = material->glossiness,
@@ -85,13 +108,19 @@ static void pack_material(struct material *out, const struct scene *scene,
                  (material->masked ? MATERIAL_MASKED : 0u) |
                  (material->blended ? MATERIAL_BLENDED : 0u) |
                  (material->double_sided ? MATERIAL_EMITS_BACK : 0u) |
-                 (material->unlit ? MATERIAL_UNLIT : 0u),
+                 (material->unlit ? MATERIAL_UNLIT : 0u) | layer_flags(material) |
+                 (material->normal_texture.texture != SCENE_NONE ? MATERIAL_NORMAL_MAP : 0u),
+        .normal_scale = material->normal_scale,
+        .transmission = material->transmission,
+        .coat = material->coat,
+        .coat_roughness = material->coat_roughness,
     };
 
     const bool srgb[TEXTURE_USE_COUNT] = {
         [TEXTURE_BASE] = true,           [TEXTURE_SURFACE] = material->specular_glossiness,
         [TEXTURE_EMISSIVE] = true,       [TEXTURE_SPECULAR] = false,
-        [TEXTURE_SPECULAR_COLOR] = true,
+        [TEXTURE_SPECULAR_COLOR] = true, [TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = true,
+        [TEXTURE_SHEEN_COLOR] = true,
     };
     const struct scene_texture_use *uses[TEXTURE_USE_COUNT];
     list_uses(uses, material);

@@ -88,6 +88,14 @@ static void apply_transform(scene_texture_use &use, const tinygltf::Value &trans
         use.uv_matrix[i] = finite_float(matrix[i], owner, "KHR_texture_transform");
 }
 
+// The set of texture coordinates that a reference names.
+static int texcoord_of(texture_reference reference, const std::string &owner)
+{
+    const int replaced =
+        reference.transform != nullptr ? index_member(*reference.transform, "texCoord", owner) : -1;
+    return replaced >= 0 ? replaced : reference.texcoord;
+}
+
 static scene_texture_use make_use(import_context &context, texture_collector *collector,
                                   texture_reference reference, const std::string &owner)
 {
@@ -95,12 +103,9 @@ static scene_texture_use make_use(import_context &context, texture_collector *co
     if (reference.index < 0 || collector == nullptr)
         return use;
     use.texture = use_texture(context, *collector, reference.index, owner);
-    int texcoord = reference.texcoord;
-    if (reference.transform != nullptr) {
+    int texcoord = texcoord_of(reference, owner);
+    if (reference.transform != nullptr)
         apply_transform(use, *reference.transform, owner);
-        const int replaced = index_member(*reference.transform, "texCoord", owner);
-        texcoord = replaced >= 0 ? replaced : texcoord;
-    }
     if (texcoord < 0 || texcoord > 1) {
         warn_once(context, "texcoord",
                   "%s reads TEXCOORD_%d; only 0 and 1 are supported, and 0 is used", owner.c_str(),
@@ -125,9 +130,16 @@ static scene_material default_material(import_context &context)
     material.specular_strength = 1.0f;
     material.glossiness = 1.0f;
     material.alpha_cutoff = 0.5f;
+    for (float &factor : material.diffuse_transmission_color)
+        factor = 1.0f;
     const scene_texture_use none = make_use(context, nullptr, texture_reference(), "");
     material.base_texture = material.surface_texture = material.emissive_texture = none;
     material.specular_texture = material.specular_color_texture = none;
+    material.normal_texture = material.transmission_texture = none;
+    material.diffuse_transmission_texture = material.diffuse_transmission_color_texture = none;
+    material.coat_texture = material.coat_roughness_texture = none;
+    material.sheen_color_texture = material.sheen_roughness_texture = none;
+    material.normal_scale = 1.0f;
     return material;
 }
 
@@ -193,6 +205,88 @@ static void read_ior(const tinygltf::Value &source, const std::string &owner, sc
         factor = finite_float(factor * root * root / 0.04, owner, "ior");
 }
 
+static void read_transmission(import_context &context, texture_collector *collector,
+                              const tinygltf::Value &source, const std::string &owner,
+                              scene_material &out)
+{
+    out.transmission = unit_factor(context, number_member(source, "transmissionFactor", 0.0, owner),
+                                   owner, "transmissionFactor");
+    out.transmission_texture = make_use(
+        context, collector, extension_texture(source, "transmissionTexture", owner), owner);
+}
+
+static void read_diffuse_transmission(import_context &context, texture_collector *collector,
+                                      const tinygltf::Value &source, const std::string &owner,
+                                      scene_material &out)
+{
+    out.diffuse_transmission =
+        unit_factor(context, number_member(source, "diffuseTransmissionFactor", 0.0, owner), owner,
+                    "diffuseTransmissionFactor");
+    numbers_member(source, "diffuseTransmissionColorFactor", out.diffuse_transmission_color, 3,
+                   owner);
+    for (float &factor : out.diffuse_transmission_color)
+        factor = unit_factor(context, factor, owner, "diffuseTransmissionColorFactor");
+    out.diffuse_transmission_texture = make_use(
+        context, collector, extension_texture(source, "diffuseTransmissionTexture", owner), owner);
+    out.diffuse_transmission_color_texture =
+        make_use(context, collector,
+                 extension_texture(source, "diffuseTransmissionColorTexture", owner), owner);
+}
+
+static void read_coat(import_context &context, texture_collector *collector,
+                      const tinygltf::Value &source, const std::string &owner, scene_material &out)
+{
+    out.coat = unit_factor(context, number_member(source, "clearcoatFactor", 0.0, owner), owner,
+                           "clearcoatFactor");
+    out.coat_roughness =
+        unit_factor(context, number_member(source, "clearcoatRoughnessFactor", 0.0, owner), owner,
+                    "clearcoatRoughnessFactor");
+    out.coat_texture =
+        make_use(context, collector, extension_texture(source, "clearcoatTexture", owner), owner);
+    out.coat_roughness_texture = make_use(
+        context, collector, extension_texture(source, "clearcoatRoughnessTexture", owner), owner);
+    if (source.Has("clearcoatNormalTexture") && collector != nullptr)
+        warn_once(context, "clearcoat normal", "%s: normal maps of clearcoats are not applied",
+                  owner.c_str());
+}
+
+static void read_sheen(import_context &context, texture_collector *collector,
+                       const tinygltf::Value &source, const std::string &owner, scene_material &out)
+{
+    numbers_member(source, "sheenColorFactor", out.sheen_color, 3, owner);
+    for (float &factor : out.sheen_color)
+        factor = unit_factor(context, factor, owner, "sheenColorFactor");
+    out.sheen_roughness =
+        unit_factor(context, number_member(source, "sheenRoughnessFactor", 0.0, owner), owner,
+                    "sheenRoughnessFactor");
+    out.sheen_color_texture =
+        make_use(context, collector, extension_texture(source, "sheenColorTexture", owner), owner);
+    out.sheen_roughness_texture = make_use(
+        context, collector, extension_texture(source, "sheenRoughnessTexture", owner), owner);
+}
+
+// Reads what lies above the base, or lets light through it. None of it goes with
+// specular-glossiness.
+static void read_layers(import_context &context, texture_collector *collector,
+                        const tinygltf::ExtensionMap &extensions, const std::string &owner,
+                        scene_material &out)
+{
+    using reader = void (*)(import_context &, texture_collector *, const tinygltf::Value &,
+                            const std::string &, scene_material &);
+    const struct {
+        const char *name;
+        reader read;
+    } layers[] = {{"KHR_materials_transmission", read_transmission},
+                  {"KHR_materials_diffuse_transmission", read_diffuse_transmission},
+                  {"KHR_materials_clearcoat", read_coat},
+                  {"KHR_materials_sheen", read_sheen}};
+    for (const auto &layer : layers) {
+        const tinygltf::Value *source = find_extension(extensions, layer.name);
+        if (source != nullptr)
+            layer.read(context, collector, *source, owner, out);
+    }
+}
+
 static void read_emission(import_context &context, texture_collector *collector,
                           const tinygltf::Material &source, const std::string &owner,
                           scene_material &out)
@@ -239,13 +333,26 @@ static scene_material convert(import_context &context, texture_collector *collec
     const tinygltf::Value *ior = find_extension(extensions, "KHR_materials_ior");
     if (glossiness == nullptr && ior != nullptr)
         read_ior(*ior, owner, out);
+    if (glossiness == nullptr)
+        read_layers(context, collector, extensions, owner, out);
     read_emission(context, collector, source, owner, out);
     read_alpha(source, owner, out);
     out.double_sided = source.doubleSided;
     out.unlit = find_extension(extensions, "KHR_materials_unlit") != nullptr;
-    if (source.normalTexture.index >= 0 && collector != nullptr)
-        warn_once(context, "normal map", "%s: normal maps are not applied yet", owner.c_str());
+    out.normal_texture = make_use(context, collector, core_texture(source.normalTexture), owner);
+    out.normal_scale = finite_float(source.normalTexture.scale, owner, "normalTexture.scale");
     return out;
+}
+
+int normal_map_texcoord(const import_context &context, int material)
+{
+    if (material < 0 || static_cast<size_t>(material) >= context.model.materials.size())
+        return -1;
+    const tinygltf::Material &source = context.model.materials[static_cast<size_t>(material)];
+    if (source.normalTexture.index < 0)
+        return -1;
+    const std::string owner = label("material", static_cast<size_t>(material), source.name);
+    return texcoord_of(core_texture(source.normalTexture), owner) == 1 ? 1 : 0;
 }
 
 void load_materials(import_context &context)

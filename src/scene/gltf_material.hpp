@@ -11,6 +11,10 @@
  * -1 names the default material. */
 uint32_t use_material(import_context &context, int index, const std::string &owner);
 
+/** The set of texture coordinates, 0 or 1, of the normal map of a primitive's material; -1 if it
+ * has none. */
+int normal_map_texcoord(const import_context &context, int material);
+
 /**
  * Makes the scene's materials, one for each of the file's and the default one behind them where it
  * is used, the textures that the used ones need, and decodes their images in parallel.

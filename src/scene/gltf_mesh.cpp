@@ -6,6 +6,7 @@
 #include "scene/gltf_accessor.hpp"
 #include "scene/gltf_material.hpp"
 #include "scene/gltf_shape.hpp"
+#include "scene/gltf_tangent.hpp"
 
 // What 31-bit indices reach: BVH_REF_TRIANGLE and the vertices of all meshes.
 static const uint64_t MAX_TOTAL = ((uint64_t)1 << 31) - 1;
@@ -61,6 +62,9 @@ static shape read_shape(import_context &context, const tinygltf::Primitive &prim
     shape.vertex_count = checked_count(context, primitive.attributes.at("POSITION"), 3, name);
     shape.positions = read_attribute(context, primitive, "POSITION", 3, shape.vertex_count, owner);
     shape.normals = read_attribute(context, primitive, "NORMAL", 3, shape.vertex_count, owner);
+    if (normal_map_texcoord(context, primitive.material) >= 0)
+        shape.tangents =
+            read_attribute(context, primitive, "TANGENT", 4, shape.vertex_count, owner);
     shape.uv0 = read_attribute(context, primitive, "TEXCOORD_0", 2, shape.vertex_count, owner);
     shape.uv1 = read_attribute(context, primitive, "TEXCOORD_1", 2, shape.vertex_count, owner);
     shape.colors = read_colors(context, primitive, shape.vertex_count, owner);
@@ -135,6 +139,7 @@ static float *split_values(import_context &context, const float *values, size_t 
 static void make_flat(import_context &context, shape &shape, std::vector<uint32_t> &list)
 {
     shape.positions = split_values(context, shape.positions, 3, list);
+    shape.tangents = nullptr; // glTF: tangents without normals are to be ignored
     shape.uv0 = split_values(context, shape.uv0, 2, list);
     shape.uv1 = split_values(context, shape.uv1, 2, list);
     shape.colors = split_values(context, shape.colors, 4, list);
@@ -183,6 +188,7 @@ static scene_mesh finish_mesh(import_context &context, const shape &shape,
     mesh.triangle_count = static_cast<uint32_t>(list.size() / 3);
     mesh.positions = shape.positions;
     mesh.normals = shape.normals;
+    mesh.tangents = shape.tangents;
     mesh.uv0 = shape.uv0;
     mesh.uv1 = shape.uv1;
     mesh.colors = shape.colors;
@@ -219,6 +225,11 @@ static bool load_primitive(import_context &context, const tinygltf::Primitive &p
         normalize_normals(context, owner, shape, list.data(), list.size() / 3);
     else
         make_flat(context, shape, list);
+    const int texcoord = normal_map_texcoord(context, primitive.material);
+    if (texcoord >= 0 && shape.tangents != nullptr)
+        repair_tangents(shape);
+    else if (texcoord >= 0)
+        make_tangents(context, shape, texcoord == 1 ? shape.uv1 : shape.uv0, list);
     *out = finish_mesh(context, shape, list, owner);
     out->material = use_material(context, primitive.material, owner);
     return true;

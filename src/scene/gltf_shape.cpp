@@ -100,11 +100,9 @@ void apply_morph(import_context &context, const tinygltf::Primitive &primitive,
         const char *name;
         float *values;
         int components;
-    } attributes[] = {{"POSITION", shape.positions, 3},
-                      {"NORMAL", shape.normals, 3},
-                      {"TEXCOORD_0", shape.uv0, 2},
-                      {"TEXCOORD_1", shape.uv1, 2},
-                      {"COLOR_0", shape.colors, 4}};
+    } attributes[] = {{"POSITION", shape.positions, 3}, {"NORMAL", shape.normals, 3},
+                      {"TANGENT", shape.tangents, 4},   {"TEXCOORD_0", shape.uv0, 2},
+                      {"TEXCOORD_1", shape.uv1, 2},     {"COLOR_0", shape.colors, 4}};
     for (size_t t = 0; t < primitive.targets.size() && t < weights.size(); t++) {
         const std::string name = owner + ", target " + std::to_string(t);
         const double weight = finite_float(weights[t], name, "weight");
@@ -239,6 +237,15 @@ static void turn_normal(const double *m, float *normal)
     }
 }
 
+// Turns a tangent as edges turn.
+static void turn_tangent(const double *m, float *tangent)
+{
+    const double t[3] = {tangent[0], tangent[1], tangent[2]};
+    for (int row = 0; row < 3; row++)
+        tangent[row] =
+            static_cast<float>(m[row * 4] * t[0] + m[row * 4 + 1] * t[1] + m[row * 4 + 2] * t[2]);
+}
+
 bool apply_skin(import_context &context, const tinygltf::Primitive &primitive, int skin_index,
                 const std::string &owner, shape &shape)
 {
@@ -259,6 +266,8 @@ bool apply_skin(import_context &context, const tinygltf::Primitive &primitive, i
         }
         if (shape.normals != nullptr)
             turn_normal(m, shape.normals + v * 3);
+        if (shape.tangents != nullptr)
+            turn_tangent(m, shape.tangents + v * 4);
     }
     return true;
 }

@@ -14,6 +14,7 @@ struct shape {
     size_t vertex_count = 0;
     float *positions = nullptr; // [vertex_count * 3]
     float *normals = nullptr;   // [vertex_count * 3], unit
+    float *tangents = nullptr;  // [vertex_count * 4], w the sign of the bitangent
     float *uv0 = nullptr;       // [vertex_count * 2]
     float *uv1 = nullptr;       // [vertex_count * 2]
     float *colors = nullptr;    // [vertex_count * 4]

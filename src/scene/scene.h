@@ -63,6 +63,21 @@ struct scene_material {
     struct scene_texture_use emissive_texture;       // sRGB
     struct scene_texture_use specular_texture;       // strength in a, linear
     struct scene_texture_use specular_color_texture; // sRGB
+    struct scene_texture_use normal_texture;         // tangent space, linear
+    float normal_scale;                              // of its x and y
+    float transmission;                              // KHR_materials_transmission, 0 .. 1
+    float diffuse_transmission;                      // KHR_materials_diffuse_transmission, 0 .. 1
+    float diffuse_transmission_color[3];
+    float coat, coat_roughness;                                  // KHR_materials_clearcoat, 0 .. 1
+    float sheen_color[3];                                        // KHR_materials_sheen
+    float sheen_roughness;                                       // 0 .. 1
+    struct scene_texture_use transmission_texture;               // r
+    struct scene_texture_use diffuse_transmission_texture;       // a
+    struct scene_texture_use diffuse_transmission_color_texture; // sRGB
+    struct scene_texture_use coat_texture;                       // r
+    struct scene_texture_use coat_roughness_texture;             // g
+    struct scene_texture_use sheen_color_texture;                // sRGB
+    struct scene_texture_use sheen_roughness_texture;            // a
 };
 
 /** One triangle list in its own space. Attributes that the file lacks are NULL, but normals are
@@ -74,6 +89,8 @@ struct scene_mesh {
     float *positions; // [vertex_count * 3]
     float *normals;   // [vertex_count * 3]; of the faces where the file has none (vertices are then
                       // split)
+    float *tangents;  // [vertex_count * 4], unit, w 1 or -1 times cross(normal, tangent) gives the
+                      // bitangent; NULL unless the material has a normal map
     float *uv0, *uv1; // [vertex_count * 2] or NULL
     float *colors; // [vertex_count * 4] COLOR_0, linear, alpha 1 where the file has none; or NULL
     uint32_t *indices; // [triangle_count * 3], below vertex_count
@@ -134,6 +151,10 @@ struct scene {
     uint32_t image_count, texture_count, material_count, mesh_count, instance_count, light_count,
         camera_count;
 };
+
+/** Whether some light may go straight through the material: thin transmission without roughness. An
+ * emissive one scatters a little instead, so that every ray can meet what it emits. */
+bool scene_material_transmits(const struct scene_material *material);
 
 /** Releases everything the scene owns and leaves it empty. Safe on an empty scene. */
 void scene_free(struct scene *scene);

@@ -56,7 +56,10 @@
     M(texture_slot, pad0) M(texture_slot, pad1) M(texture_slot, pad2)                              \
     S(material)                                                                                    \
     M(material, base) M(material, emission) M(material, specular)                                  \
+    M(material, diffuse_transmission) M(material, sheen)                                           \
     M(material, metallic) M(material, roughness) M(material, glossiness) M(material, flags)        \
+    M(material, normal_scale) M(material, transmission)                                            \
+    M(material, coat) M(material, coat_roughness)                                                  \
     M(material, textures)                                                                          \
     S(batch)                                                                                       \
     M(batch, first_pixel) M(batch, first_sample) M(batch, count) M(batch, pixel_count)             \
