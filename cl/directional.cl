@@ -97,10 +97,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
                                               (shades[slot].flags & SHADE_NO_BOUNCE) != 0, bits);
         if (max3(value) > 0.0f) {
             traced++;
-            const struct hit blocker =
-                traverse(nodes, woop, refs, &surface, p, dir, 0.0f, FLT_MAX, true);
-            if (blocker.triangle == HIT_NONE)
-                sum += value;
+            sum += value * traverse_light(nodes, woop, refs, &surface, p, dir, FLT_MAX);
         }
 #endif
         paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;

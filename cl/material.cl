@@ -126,8 +126,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     ,
     __read_only image2d_t transmission_image, __read_only image2d_t diffuse_transmission_image,
     __read_only image2d_t diffuse_transmission_color_image, __read_only image2d_t coat_image,
-    __read_only image2d_t coat_roughness_image, __read_only image2d_t sheen_color_image,
-    __read_only image2d_t sheen_roughness_image
+    __read_only image2d_t coat_roughness_image
 #endif
 #else
     __global const uint *restrict texels
@@ -192,10 +191,6 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
         values.coat = texture_fetch(coat_image, &material->textures[TEXTURE_COAT], uv);
         values.coat_roughness =
             texture_fetch(coat_roughness_image, &material->textures[TEXTURE_COAT_ROUGHNESS], uv);
-        values.sheen_color =
-            texture_fetch(sheen_color_image, &material->textures[TEXTURE_SHEEN_COLOR], uv);
-        values.sheen_roughness =
-            texture_fetch(sheen_roughness_image, &material->textures[TEXTURE_SHEEN_ROUGHNESS], uv);
 #endif
 #else
         values.base = texture_fetch(texels, &material->textures[TEXTURE_BASE], uv);

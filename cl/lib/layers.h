@@ -1,9 +1,9 @@
 /**
  * @file
- * What may lie above a material's base, or let light through it: clearcoat, sheen, and the
- * transmission of thin surfaces, specular and diffuse.
+ * What may lie above a material's base, or let light through it: clearcoat, and the transmission
+ * of thin surfaces, specular and diffuse.
  *
- * Source: KHR_materials_clearcoat, _sheen, _transmission and _diffuse_transmission. Each hit takes
+ * Source: KHR_materials_clearcoat, _transmission and _diffuse_transmission. Each hit takes
  * one part of the mixture by chance and shades it alone, divided by its probability. What goes
  * through is the reflection of the mirrored view on the other side, which is how the extension
  * defines it, so that every other stage sees an ordinary BSDF. What goes straight through smooth
@@ -18,7 +18,7 @@
 
 #if LAYERS
 
-#define LAYER_LEAST 0.25f // probability of clearcoat and sheen, where there is any, at least
+#define LAYER_LEAST 0.25f // probability of taking a clearcoat, where there is any, at least
 
 // Microfacet alpha of a roughness; with BRDF_PHONG the exponent whose lobe is as wide.
 static inline float layer_alpha(const float roughness)
@@ -167,8 +167,6 @@ static inline void layer_fetch(struct texture_values *values, __global const uin
         texture_fetch_pool(texels, &slots[TEXTURE_DIFFUSE_TRANSMISSION_COLOR], uv);
     values->coat = texture_fetch_pool(texels, &slots[TEXTURE_COAT], uv);
     values->coat_roughness = texture_fetch_pool(texels, &slots[TEXTURE_COAT_ROUGHNESS], uv);
-    values->sheen_color = texture_fetch_pool(texels, &slots[TEXTURE_SHEEN_COLOR], uv);
-    values->sheen_roughness = texture_fetch_pool(texels, &slots[TEXTURE_SHEEN_ROUGHNESS], uv);
 }
 
 #endif

@@ -20,7 +20,7 @@ struct texture_values {
 #endif
 #if LAYERS
     float4 transmission, diffuse_transmission, diffuse_transmission_color;
-    float4 coat, coat_roughness, sheen_color, sheen_roughness;
+    float4 coat, coat_roughness;
 #endif
 };
 

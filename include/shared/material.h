@@ -24,9 +24,7 @@ enum texture_use {
     TEXTURE_DIFFUSE_TRANSMISSION_COLOR = 8, // rgb (sRGB)
     TEXTURE_COAT = 9,                       // r
     TEXTURE_COAT_ROUGHNESS = 10,            // g
-    TEXTURE_SHEEN_COLOR = 11,               // rgb (sRGB)
-    TEXTURE_SHEEN_ROUGHNESS = 12,           // a
-    TEXTURE_USE_COUNT = 13
+    TEXTURE_USE_COUNT = 11
 };
 
 // texture_slot.flags
@@ -73,7 +71,6 @@ struct material {
     float4
         specular; // rgb factor of specular colour; w strength (KHR_materials_specular, 1 if absent)
     float4 diffuse_transmission; // rgb factor of its colour; w factor, 0 .. 1
-    float4 sheen;                // rgb factor of its colour; w factor of its roughness, 0 .. 1
     float metallic;              // factor, 0 .. 1
     float roughness;             // factor, 0 .. 1
     float glossiness;            // factor, 0 .. 1
@@ -84,6 +81,6 @@ struct material {
     float coat_roughness;        // factor, 0 .. 1
     struct texture_slot textures[TEXTURE_USE_COUNT];
 };
-SHARED_SIZE(material, 736);
+SHARED_SIZE(material, 624);
 
 #endif

@@ -21,8 +21,6 @@ static void list_uses(const struct scene_texture_use *out[TEXTURE_USE_COUNT],
     out[TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = &material->diffuse_transmission_color_texture;
     out[TEXTURE_COAT] = &material->coat_texture;
     out[TEXTURE_COAT_ROUGHNESS] = &material->coat_roughness_texture;
-    out[TEXTURE_SHEEN_COLOR] = &material->sheen_color_texture;
-    out[TEXTURE_SHEEN_ROUGHNESS] = &material->sheen_roughness_texture;
 }
 
 // The image of a use; SCENE_NONE if there is none.
@@ -78,10 +76,8 @@ static void pack_slot(struct texture_slot *out, const struct scene *scene,
 
 static uint layer_flags(const struct scene_material *material)
 {
-    const float *sheen = material->sheen_color;
-    const bool has_sheen = sheen[0] > 0.0f || sheen[1] > 0.0f || sheen[2] > 0.0f;
     const bool layered = material->transmission > 0.0f || material->diffuse_transmission > 0.0f ||
-                         material->coat > 0.0f || has_sheen;
+                         material->coat > 0.0f;
     return (layered && !material->unlit ? MATERIAL_LAYERED : 0u) |
            (scene_material_transmits(material) ? MATERIAL_TRANSMITS : 0u);
 }
@@ -93,14 +89,12 @@ static void pack_material(struct material *out, const struct scene *scene,
     const float *emission = material->emission;
     const float *specular = material->specular_color;
     const float *through = material->diffuse_transmission_color;
-    const float *sheen = material->sheen_color;
     *out = (struct material){
         .base = {base[0], base[1], base[2], base[3]},
         .emission = {emission[0], emission[1], emission[2], material->alpha_cutoff},
         .specular = {specular[0], specular[1], specular[2], material->specular_strength},
         .diffuse_transmission = {through[0], through[1], through[2],
                                  material->diffuse_transmission},
-        .sheen = {sheen[0], sheen[1], sheen[2], material->sheen_roughness},
         .metallic = material->metallic,
         .roughness = material->roughness,
         .glossiness = material->glossiness,
@@ -120,7 +114,6 @@ static void pack_material(struct material *out, const struct scene *scene,
         [TEXTURE_BASE] = true,           [TEXTURE_SURFACE] = material->specular_glossiness,
         [TEXTURE_EMISSIVE] = true,       [TEXTURE_SPECULAR] = false,
         [TEXTURE_SPECULAR_COLOR] = true, [TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = true,
-        [TEXTURE_SHEEN_COLOR] = true,
     };
     const struct scene_texture_use *uses[TEXTURE_USE_COUNT];
     list_uses(uses, material);

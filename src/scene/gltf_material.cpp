@@ -138,7 +138,6 @@ static scene_material default_material(import_context &context)
     material.normal_texture = material.transmission_texture = none;
     material.diffuse_transmission_texture = material.diffuse_transmission_color_texture = none;
     material.coat_texture = material.coat_roughness_texture = none;
-    material.sheen_color_texture = material.sheen_roughness_texture = none;
     material.normal_scale = 1.0f;
     return material;
 }
@@ -250,21 +249,6 @@ static void read_coat(import_context &context, texture_collector *collector,
                   owner.c_str());
 }
 
-static void read_sheen(import_context &context, texture_collector *collector,
-                       const tinygltf::Value &source, const std::string &owner, scene_material &out)
-{
-    numbers_member(source, "sheenColorFactor", out.sheen_color, 3, owner);
-    for (float &factor : out.sheen_color)
-        factor = unit_factor(context, factor, owner, "sheenColorFactor");
-    out.sheen_roughness =
-        unit_factor(context, number_member(source, "sheenRoughnessFactor", 0.0, owner), owner,
-                    "sheenRoughnessFactor");
-    out.sheen_color_texture =
-        make_use(context, collector, extension_texture(source, "sheenColorTexture", owner), owner);
-    out.sheen_roughness_texture = make_use(
-        context, collector, extension_texture(source, "sheenRoughnessTexture", owner), owner);
-}
-
 // Reads what lies above the base, or lets light through it. None of it goes with
 // specular-glossiness.
 static void read_layers(import_context &context, texture_collector *collector,
@@ -278,8 +262,7 @@ static void read_layers(import_context &context, texture_collector *collector,
         reader read;
     } layers[] = {{"KHR_materials_transmission", read_transmission},
                   {"KHR_materials_diffuse_transmission", read_diffuse_transmission},
-                  {"KHR_materials_clearcoat", read_coat},
-                  {"KHR_materials_sheen", read_sheen}};
+                  {"KHR_materials_clearcoat", read_coat}};
     for (const auto &layer : layers) {
         const tinygltf::Value *source = find_extension(extensions, layer.name);
         if (source != nullptr)

@@ -69,15 +69,11 @@ struct scene_material {
     float diffuse_transmission;                      // KHR_materials_diffuse_transmission, 0 .. 1
     float diffuse_transmission_color[3];
     float coat, coat_roughness;                                  // KHR_materials_clearcoat, 0 .. 1
-    float sheen_color[3];                                        // KHR_materials_sheen
-    float sheen_roughness;                                       // 0 .. 1
     struct scene_texture_use transmission_texture;               // r
     struct scene_texture_use diffuse_transmission_texture;       // a
     struct scene_texture_use diffuse_transmission_color_texture; // sRGB
     struct scene_texture_use coat_texture;                       // r
     struct scene_texture_use coat_roughness_texture;             // g
-    struct scene_texture_use sheen_color_texture;                // sRGB
-    struct scene_texture_use sheen_roughness_texture;            // a
 };
 
 /** One triangle list in its own space. Attributes that the file lacks are NULL, but normals are

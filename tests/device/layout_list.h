@@ -56,7 +56,7 @@
     M(texture_slot, pad0) M(texture_slot, pad1) M(texture_slot, pad2)                              \
     S(material)                                                                                    \
     M(material, base) M(material, emission) M(material, specular)                                  \
-    M(material, diffuse_transmission) M(material, sheen)                                           \
+    M(material, diffuse_transmission)                                                              \
     M(material, metallic) M(material, roughness) M(material, glossiness) M(material, flags)        \
     M(material, normal_scale) M(material, transmission)                                            \
     M(material, coat) M(material, coat_roughness)                                                  \

@@ -63,7 +63,17 @@ static void make_fixture(struct fixture *out)
         material->surface_texture = use_of(2, 0);
         material->emissive_texture = use_of(IMAGES, 0);
         material->specular_texture = use_of(3, 0);
-        material->specular_color_texture = use_of(SCENE_NONE, 0);
+        struct scene_texture_use *const unused[] = {
+            &material->specular_color_texture,
+            &material->normal_texture,
+            &material->transmission_texture,
+            &material->diffuse_transmission_texture,
+            &material->coat_texture,
+            &material->coat_roughness_texture,
+            &material->diffuse_transmission_color_texture,
+        };
+        for (size_t k = 0; k < sizeof(unused) / sizeof(unused[0]); k++)
+            *unused[k] = use_of(SCENE_NONE, 0);
     }
     out->materials[1].specular_glossiness = true;
     out->materials[1].masked = true;
