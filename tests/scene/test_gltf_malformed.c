@@ -54,7 +54,7 @@ static const struct {
      "{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":-1}]}}",
      STATUS_FORMAT, "negative"},
     {AREA_LIGHT("\"type\":\"sphere\""), STATUS_FORMAT, "type \"sphere\""},
-    {AREA_LIGHT(""), STATUS_FORMAT, "area light 0: type"},
+    {AREA_LIGHT("\"name\":\"lamp\""), STATUS_FORMAT, "area light 0: type"},
     {AREA_LIGHT("\"type\":\"disk\",\"size\":0"), STATUS_FORMAT, "size 0"},
     {AREA_LIGHT("\"type\":\"disk\",\"size\":1e300"), STATUS_FORMAT, "its size"},
     {AREA_LIGHT("\"type\":\"rect\",\"rect\":{\"aspect\":-1}"), STATUS_FORMAT, "aspect -1"},
