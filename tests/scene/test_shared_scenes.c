@@ -33,7 +33,8 @@ static const struct {
 static unsigned file_count;
 static bool must_load;
 
-// Every index within its bounds, every number finite, every normal of unit length.
+// Every index within its bounds, every number finite, every normal of unit length, every tangent at
+// a right angle to it.
 static void check_mesh(const struct scene *scene, const struct scene_mesh *mesh)
 {
     assert_true(mesh->material < scene->material_count);
@@ -45,6 +46,12 @@ static void check_mesh(const struct scene *scene, const struct scene_mesh *mesh)
         assert_true(isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]));
         // Float rounding leaves a unit vector within 1e-6 of length 1; 1e-3 tells it from others.
         assert_true(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0f) < 1e-3f);
+        if (mesh->tangents == NULL)
+            continue;
+        const float *t = mesh->tangents + v * 4;
+        assert_true(fabsf(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] - 1.0f) < 1e-3f);
+        assert_true(fabsf(t[0] * n[0] + t[1] * n[1] + t[2] * n[2]) < 1e-3f);
+        assert_true(t[3] == 1.0f || t[3] == -1.0f);
     }
 }
 
