@@ -81,7 +81,8 @@ static void describe_scene(struct lk_scene_info *out, const struct lk_scene *sce
                    .disc = p->emitters.disc_count,
                    .directional =
                        p->emitters.directional_count + scene->surroundings.environment.has_sun,
-                   .emissive_triangles = p->emitters.emissive_triangles},
+                   .emissive_triangles = p->emitters.emissive_triangles,
+                   .drawn = p->emitters.light_count},
         .memory = {.bvh = sizes.bvh,
                    .geometry = sizes.geometry,
                    .materials = sizes.materials,

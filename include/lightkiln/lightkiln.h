@@ -89,6 +89,7 @@ LK_API void lk_scene_free(struct lk_scene *scene);
 struct lk_lights {
     uint64_t point, spot, rect, disc, directional; // the sun of a sky is directional
     uint64_t emissive_triangles;                   // those in rectangles, too
+    uint64_t drawn; // that a hit draws from: all but directional, a rectangle as one
 };
 
 /** Bytes on the device, but for peak_host. */

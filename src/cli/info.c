@@ -47,6 +47,9 @@ static enum status print_info(const struct lk_scene_info *info, const struct lk_
         {"disc", "disc", info->lights.disc},
         {"directional", "directional", info->lights.directional},
         {"emissive_triangles", "emissive triangles", info->lights.emissive_triangles},
+        {"drawn", "drawn from", info->lights.drawn},
+        {"bytes_each", "bytes of each, all told",
+         info->lights.drawn > 0 ? info->memory.lights / info->lights.drawn : 0},
     };
     const struct number memory[] = {
         {"bvh", "BVH", info->memory.bvh},

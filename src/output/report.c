@@ -19,6 +19,7 @@ static void write_scene(struct json *json, const struct lk_scene_info *scene)
     json_uint(json, "disc", scene->lights.disc);
     json_uint(json, "directional", scene->lights.directional);
     json_uint(json, "emissive_triangles", scene->lights.emissive_triangles);
+    json_uint(json, "drawn", scene->lights.drawn);
     json_object_end(json);
     json_object_end(json);
 }

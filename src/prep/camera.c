@@ -31,6 +31,8 @@ static const struct scene_camera *find_camera(const struct scene *scene, const c
 {
     if (selector == NULL)
         return scene->camera_count > 0 ? &scene->cameras[0] : NULL;
+    if (selector[0] == '\0')
+        return NULL; // cameras without a name have an index
     for (uint32_t i = 0; i < scene->camera_count; i++)
         if (strcmp(scene->cameras[i].name, selector) == 0)
             return &scene->cameras[i];

@@ -74,16 +74,20 @@ static void every_option_is_taken_and_lands_in_its_field(void **state)
     for (const struct option *o = option_table; o->help != NULL; o++) {
         if (o->name == NULL || (o->commands & COMMAND_RENDER) == 0)
             continue;
-        char value[64] = "text";
+        char value[128] = "text";
         if (o->type == OPTION_CHOICE) {
             size_t last = 0;
             while (o->choices[last + 1] != NULL)
                 last++;
             snprintf(value, sizeof(value), "%s", o->choices[last]);
+        } else if (o->type == OPTION_FLOATS2) {
+            snprintf(value, sizeof(value), "%.0f,%.0f", o->max, o->min);
+        } else if (o->type == OPTION_FLOATS3) {
+            snprintf(value, sizeof(value), "%.0f,%.0f,%.0f", o->max, o->min, o->max);
         } else if (o->type != OPTION_TEXT) {
             snprintf(value, sizeof(value), "%.0f", o->max);
         }
-        char line[128];
+        char line[256];
         snprintf(line, sizeof(line), "a.glb --%s%s%s", o->name, o->type == OPTION_FLAG ? "" : "=",
                  o->type == OPTION_FLAG ? "" : value);
 
@@ -122,6 +126,22 @@ static void numbers_outside_their_range_are_refused(void **state)
                 fail_msg("%s is accepted", line);
             assert_non_null(strstr(status_message(), o->name));
         }
+    }
+}
+
+static void lists_of_numbers_are_taken_whole(void **state)
+{
+    (void)state;
+    struct options options;
+    assert_int_equal(parse_render(&options, "a.glb --background 0.5,1e-1,2 --sky -90,.5"),
+                     STATUS_OK);
+    assert_true(options.settings.background[1] == 0.1f && options.settings.background[2] == 2.0f);
+    assert_true(options.settings.sky_sun_deg[0] == -90.0f);
+    const char *const wrong[] = {"1,2", "1,2,3,4", "1,,3", "1,2,", "1,2,-3", "1;2;3", "nan,1,1"};
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        char line[64];
+        snprintf(line, sizeof(line), "a.glb --background=%s", wrong[i]);
+        assert_int_equal(parse_render(&options, line), STATUS_USAGE);
     }
 }
 
@@ -261,6 +281,7 @@ int main(void)
         cmocka_unit_test(defaults_lie_within_their_ranges),
         cmocka_unit_test(every_option_is_taken_and_lands_in_its_field),
         cmocka_unit_test(numbers_outside_their_range_are_refused),
+        cmocka_unit_test(lists_of_numbers_are_taken_whole),
         cmocka_unit_test(forms_of_an_option_are_equal),
         cmocka_unit_test(negative_numbers_and_dashes_are_values),
         cmocka_unit_test(mistakes_are_named),

@@ -26,7 +26,8 @@ TEST_KERNEL light_pmfs(__global const struct light_node *nodes, __global const u
 }
 
 // Samples one light from points[i] by numbers[i].
-TEST_KERNEL light_samples(__global const struct light *lights, const uint light,
+TEST_KERNEL light_samples(__global const struct light *lights,
+                          __global const struct light_shape *shapes, const uint light,
                           __global const struct vertex *vertices,
                           __global const struct triangle *triangles,
                           __global const struct material *materials, __global const uint *texels,
@@ -44,7 +45,7 @@ TEST_KERNEL light_samples(__global const struct light *lights, const uint light,
     surface.materials = materials;
     surface.texels = texels;
     const struct light_sample sampled =
-        light_sample(lights, light, &surface, points[i].xyz, numbers[i].x, numbers[i].y);
+        light_sample(lights, shapes, light, &surface, points[i].xyz, numbers[i].x, numbers[i].y);
     dir_distance[i] = (float4)(sampled.dir, sampled.distance);
     radiance_density[i] = (float4)(sampled.radiance, sampled.density);
 }

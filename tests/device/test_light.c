@@ -14,6 +14,7 @@
 #include "prep/emitters.h"
 #include "prep/prep_support.h"
 #include "prep/vec3.h"
+#include "shared/geometry.h"
 #include "shared/material.h"
 #include "support.h"
 
@@ -28,12 +29,19 @@
 struct fixture {
     struct gpu *gpu;
     struct program program;
-    struct buffer lights, vertices, triangles, materials, texels; // one of each; four texels
+    struct buffer lights, shapes, vertices, triangles, materials; // one of each
+    struct buffer texels;                                         // four
     struct buffer points, numbers, dirs, values;                  // [CELLS]
     float4 *cell_points, *cell_numbers, *cell_dirs, *cell_values; // the host's copies
 };
 
 static struct fixture fixture;
+
+// A light, and the shape it points to: the first.
+struct shaped_light {
+    struct light light;
+    struct light_shape shape;
+};
 
 static int light_setup(void **state)
 {
@@ -43,6 +51,7 @@ static int light_setup(void **state)
     struct gpu *gpu = f->gpu = *state;
     f->program = device_program(gpu, "light", NULL);
     f->lights = device_buffer(gpu, NULL, sizeof(struct light));
+    f->shapes = device_buffer(gpu, NULL, sizeof(struct light_shape));
     f->vertices = device_buffer(gpu, NULL, 3 * sizeof(struct vertex));
     f->triangles = device_buffer(gpu, NULL, sizeof(struct triangle));
     f->materials = device_buffer(gpu, NULL, sizeof(struct material));
@@ -66,9 +75,9 @@ static int light_teardown(void **state)
 {
     struct fixture *f = &fixture;
     if (*state != NULL) {
-        struct buffer *buffers[] = {&f->lights,    &f->vertices, &f->triangles,
-                                    &f->materials, &f->texels,   &f->points,
-                                    &f->numbers,   &f->dirs,     &f->values};
+        struct buffer *buffers[] = {&f->lights,    &f->shapes, &f->vertices, &f->triangles,
+                                    &f->materials, &f->texels, &f->points,   &f->numbers,
+                                    &f->dirs,      &f->values};
         for (size_t i = 0; i < sizeof(buffers) / sizeof(buffers[0]); i++)
             buffer_free(f->gpu, buffers[i]);
         free(f->cell_points);
@@ -78,25 +87,26 @@ static int light_teardown(void **state)
 }
 
 // Samples a light from cell_points by cell_numbers into cell_dirs and cell_values.
-static void sample(const struct light *light)
+static void sample(const struct shaped_light *light)
 {
     struct fixture *f = &fixture;
     const uint32_t index = 0;
     const uint32_t count = CELLS;
     const struct kernel_arg args[] = {
-        ARG_BUFFER(&f->lights),    ARG_VALUE(index),          ARG_BUFFER(&f->vertices),
-        ARG_BUFFER(&f->triangles), ARG_BUFFER(&f->materials), ARG_BUFFER(&f->texels),
-        ARG_BUFFER(&f->points),    ARG_BUFFER(&f->numbers),   ARG_VALUE(count),
-        ARG_BUFFER(&f->dirs),      ARG_BUFFER(&f->values),
+        ARG_BUFFER(&f->lights),   ARG_BUFFER(&f->shapes),    ARG_VALUE(index),
+        ARG_BUFFER(&f->vertices), ARG_BUFFER(&f->triangles), ARG_BUFFER(&f->materials),
+        ARG_BUFFER(&f->texels),   ARG_BUFFER(&f->points),    ARG_BUFFER(&f->numbers),
+        ARG_VALUE(count),         ARG_BUFFER(&f->dirs),      ARG_BUFFER(&f->values),
     };
-    assert_ok(buffer_write(f->gpu, &f->lights, light, sizeof(*light)));
+    assert_ok(buffer_write(f->gpu, &f->lights, &light->light, sizeof(light->light)));
+    assert_ok(buffer_write(f->gpu, &f->shapes, &light->shape, sizeof(light->shape)));
     assert_ok(buffer_write(f->gpu, &f->points, f->cell_points, CELLS * sizeof(float4)));
     DEVICE_RUN(f->gpu, &f->program, "light_samples", args, count);
     assert_ok(buffer_read(f->gpu, &f->dirs, f->cell_dirs, CELLS * sizeof(float4)));
     assert_ok(buffer_read(f->gpu, &f->values, f->cell_values, CELLS * sizeof(float4)));
 }
 
-static void sample_from(const struct light *light, const double *point)
+static void sample_from(const struct shaped_light *light, const double *point)
 {
     for (uint32_t i = 0; i < CELLS; i++)
         fixture.cell_points[i] = (float4){(float)point[0], (float)point[1], (float)point[2], 0.0f};
@@ -119,13 +129,13 @@ static double triangle_angle(const double *a, const double *b, const double *c)
 }
 
 // Solid angle of a light from a point.
-static double light_angle(const struct light *light, bool rectangle, const double *point)
+static double light_angle(const struct shaped_light *light, bool rectangle, const double *point)
 {
     double corners[4][3];
     for (int k = 0; k < 3; k++) {
-        const double org = (&light->org_range.x)[k] - point[k];
-        const double u = (&light->edge_u.x)[k];
-        const double v = (&light->edge_v.x)[k];
+        const double org = (&light->light.org_range.x)[k] - point[k];
+        const double u = (&light->shape.edge_u.x)[k];
+        const double v = (&light->shape.edge_v.x)[k];
         corners[0][k] = org;
         corners[1][k] = org + u;
         corners[2][k] = org + u + v;
@@ -138,9 +148,10 @@ static double light_angle(const struct light *light, bool rectangle, const doubl
 }
 
 // A light of radiance 2, 3, 4 about the origin, 1 m in size; its front is where its normal points.
-static struct light make_area_light(bool rectangle, bool two_sided, double *normal, uint64_t *seed)
+static struct shaped_light make_area_light(bool rectangle, bool two_sided, double *normal,
+                                           uint64_t *seed)
 {
-    struct light light = {.color_kind = {2.0f, 3.0f, 4.0f, 0.0f}};
+    struct shaped_light light = {.light = {.color_kind = {2.0f, 3.0f, 4.0f, 0.0f}}};
     const uint32_t kind =
         (rectangle ? LIGHT_RECTANGLE : LIGHT_TRIANGLE) | (two_sided ? LIGHT_TWO_SIDED : 0u);
     double u[3], v[3], area;
@@ -156,14 +167,14 @@ static struct light make_area_light(bool rectangle, bool two_sided, double *norm
         area = vec3_length(normal);
     } while (area < 0.3);
     for (int k = 0; k < 3; k++) {
-        (&light.org_range.x)[k] = (float)(-0.5 * (u[k] + v[k]));
-        (&light.edge_u.x)[k] = (float)u[k];
-        (&light.edge_v.x)[k] = (float)v[k];
+        (&light.light.org_range.x)[k] = (float)(-0.5 * (u[k] + v[k]));
+        (&light.shape.edge_u.x)[k] = (float)u[k];
+        (&light.shape.edge_v.x)[k] = (float)v[k];
         normal[k] /= area;
     }
-    light.color_kind.w = bits_float(kind);
-    light.edge_u.w = (float)(rectangle ? area : 0.5 * area);
-    light.edge_v.w = bits_float(0); // the triangle
+    light.light.color_kind.w = bits_float(kind);
+    light.shape.edge_u.w = (float)(rectangle ? area : 0.5 * area);
+    light.shape.edge_v.w = bits_float(0); // the triangle
     return light;
 }
 
@@ -185,7 +196,7 @@ static void check_angle(bool rectangle, bool two_sided)
     for (int i = 0; i < POINTS; i++) {
         double normal[3], point[3];
         const double side = i & 1 ? -1.0 : 1.0;
-        const struct light light = make_area_light(rectangle, two_sided, normal, &seed);
+        const struct shaped_light light = make_area_light(rectangle, two_sided, normal, &seed);
         random_point(point, normal, side, &seed);
         sample_from(&light, point);
         double sum = 0.0;
@@ -220,16 +231,16 @@ static void samples_lie_on_the_light(void **state)
     for (int i = 0; i < 8; i++) {
         const bool rectangle = i & 1;
         double normal[3], point[3], to[3], e[3], u[3], v[3], cross[3];
-        const struct light light = make_area_light(rectangle, false, normal, &seed);
+        const struct shaped_light light = make_area_light(rectangle, false, normal, &seed);
         random_point(point, normal, 1.0, &seed);
         sample_from(&light, point);
-        vec3_load(u, &light.edge_u.x);
-        vec3_load(v, &light.edge_v.x);
+        vec3_load(u, &light.shape.edge_u.x);
+        vec3_load(v, &light.shape.edge_v.x);
         vec3_cross(cross, u, v);
         for (uint32_t cell = 0; cell < CELLS; cell++) {
             const float4 dir = fixture.cell_dirs[cell];
             for (int k = 0; k < 3; k++)
-                to[k] = point[k] + (double)dir.w * (&dir.x)[k] - (&light.org_range.x)[k];
+                to[k] = point[k] + (double)dir.w * (&dir.x)[k] - (&light.light.org_range.x)[k];
             assert_close(vec3_dot(to, normal), 0.0, VALUE_EPSILON * dir.w);
             vec3_cross(e, to, v);
             const double s = vec3_dot(e, cross) / vec3_dot(cross, cross);
@@ -239,6 +250,36 @@ static void samples_lie_on_the_light(void **state)
             assert_true(rectangle ? s < 1.0 && t < 1.0 : s + t < 1.0 + 1e-4);
         }
     }
+}
+
+// A disc seen from its axis, where it takes 2 pi (1 - cos) of its angle; its places are even: half
+// of them lie within 1 / sqrt(2) of the radius.
+static void discs_are_sampled_evenly(void **state)
+{
+    device_of(state);
+    const double radius = 0.8;
+    const double height = 1.5;
+    const double point[3] = {0.0, 0.0, height};
+    const struct shaped_light light = {
+        .light = {.color_kind = {2.0f, 3.0f, 4.0f, bits_float(LIGHT_DISC)}},
+        .shape = {.edge_u = {(float)radius, 0.0f, 0.0f, (float)(PI * radius * radius)},
+                  .edge_v = {0.0f, (float)radius, 0.0f, bits_float(EMITTER_NONE)}},
+    };
+    sample_from(&light, point);
+    double sum = 0.0;
+    uint32_t inner = 0;
+    for (uint32_t cell = 0; cell < CELLS; cell++) {
+        const float4 dir = fixture.cell_dirs[cell];
+        const double x = (double)dir.w * dir.x;
+        const double y = (double)dir.w * dir.y;
+        assert_close(height + (double)dir.w * dir.z, 0.0, VALUE_EPSILON);
+        assert_true(sqrt(x * x + y * y) <= radius * (1.0 + VALUE_EPSILON));
+        inner += x * x + y * y < 0.5 * radius * radius;
+        sum += 1.0 / fixture.cell_values[cell].w / CELLS;
+    }
+    const double angle = 2.0 * PI * (1.0 - height / sqrt(radius * radius + height * height));
+    assert_close(sum, angle, ANGLE_EPSILON * angle);
+    assert_close((double)inner / CELLS, 0.5, 0.01);
 }
 
 // Four texels, taken nearest: each quarter of the uv square has its own emission.
@@ -257,7 +298,7 @@ static void textured_triangles_emit_their_texels(void **state)
     corners[2].uv.y = 1.0f;
     uint64_t seed = 4;
     double normal[3], point[3];
-    const struct light light = make_area_light(false, false, normal, &seed);
+    const struct shaped_light light = make_area_light(false, false, normal, &seed);
     random_point(point, normal, 1.0, &seed);
     struct gpu *gpu = fixture.gpu;
     assert_ok(buffer_write(gpu, &fixture.texels, texels, sizeof(texels)));
@@ -282,7 +323,7 @@ static void textured_triangles_emit_their_texels(void **state)
 // ---- punctual lights
 
 // The one light of a scene of its own.
-static struct light make_punctual(const struct scene_light *source)
+static struct shaped_light make_punctual(const struct scene_light *source)
 {
     static struct scene_material material;
     struct scene_light light = *source;
@@ -292,7 +333,9 @@ static struct light make_punctual(const struct scene_light *source)
     struct emitters emitters;
     assert_ok(emitters_build(&emitters, &scene, &geometry));
     assert_int_equal(emitters.light_count, 1);
-    const struct light out = emitters.lights[0];
+    struct shaped_light out = {.light = emitters.lights[0]};
+    if (emitters.shape_count > 0)
+        out.shape = emitters.shapes[0];
     emitters_free(&emitters);
     return out;
 }
@@ -320,7 +363,7 @@ static double punctual_oracle(const struct scene_light *l, const double *point)
 // Compares at random points around the light; `epsilon` is relative to the light without its cone.
 static void check_punctual(const struct scene_light *source, double epsilon)
 {
-    const struct light light = make_punctual(source);
+    const struct shaped_light light = make_punctual(source);
     struct scene_light whole = *source;
     whole.type = SCENE_LIGHT_POINT;
     whole.range = 0.0f;
@@ -385,6 +428,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities_integrate_to_the_solid_angle),
         cmocka_unit_test(samples_lie_on_the_light),
+        cmocka_unit_test(discs_are_sampled_evenly),
         cmocka_unit_test(textured_triangles_emit_their_texels),
         cmocka_unit_test(points_fall_off_with_the_square),
         cmocka_unit_test(ranges_end_by_the_window),

@@ -63,7 +63,7 @@ static void make_fixture(struct fixture *f, struct gpu *gpu, const struct kind *
         org[3] = far ? LIGHT_NO_RANGE : (float)(kind->range * random_between(&f->seed, 0.1, 1.0));
         f->power[i] = (float)pow(10.0, kind->power_skew * random_unit(&f->seed));
     }
-    assert_ok(light_tree_build(&f->tree, f->lights, f->power, kind->count));
+    assert_ok(light_tree_build(&f->tree, f->lights, NULL, f->power, kind->count));
     f->nodes = device_buffer(gpu, f->tree.nodes, f->tree.node_count * sizeof(*f->tree.nodes));
     f->parents = device_buffer(gpu, f->tree.parents, f->tree.node_count * sizeof(uint32_t));
     f->leaves = device_buffer(gpu, f->tree.leaves, kind->count * sizeof(uint32_t));

@@ -178,7 +178,7 @@ static void every_choice_has_a_word(void **state)
     (void)state;
     assert_int_equal(count(choices_quantity), LK_DIRECT + 1);
     assert_int_equal(count(choices_brdf), LK_BRDF_PHONG + 1);
-    assert_int_equal(count(choices_light_sampler), LK_LIGHTS_ALL + 1);
+    assert_int_equal(count(choices_light_sampler), LK_LIGHTS_IMPORTANCE + 1);
     assert_int_equal(count(choices_trace), LK_TRACE_PERSISTENT + 1);
     assert_int_equal(count(choices_textures), LK_TEXTURES_POOL + 1);
     assert_int_equal(count(choices_nodes), LK_NODES_TEXTURE + 1);

@@ -8,6 +8,11 @@
 
 #define TRIANGLES ONE_MESH("\"attributes\":{\"POSITION\":0},\"indices\":1")
 
+// A node with one light of EXT_lights_area.
+#define AREA_LIGHT(members)                                                                        \
+    ",\"nodes\":[{\"extensions\":{\"EXT_lights_area\":{\"light\":0}}}],\"extensions\":"            \
+    "{\"EXT_lights_area\":{\"lights\":[{" members "}]}}"
+
 // Members that must be refused, with the status and a part of the message.
 static const struct {
     const char *members;
@@ -48,6 +53,15 @@ static const struct {
     {",\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],\"extensions\":"
      "{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":-1}]}}",
      STATUS_FORMAT, "negative"},
+    {AREA_LIGHT("\"type\":\"sphere\""), STATUS_FORMAT, "type \"sphere\""},
+    {AREA_LIGHT("\"name\":\"lamp\""), STATUS_FORMAT, "area light 0: type"},
+    {AREA_LIGHT("\"type\":\"disk\",\"size\":0"), STATUS_FORMAT, "size 0"},
+    {AREA_LIGHT("\"type\":\"disk\",\"size\":1e300"), STATUS_FORMAT, "its size"},
+    {AREA_LIGHT("\"type\":\"rect\",\"rect\":{\"aspect\":-1}"), STATUS_FORMAT, "aspect -1"},
+    {AREA_LIGHT("\"type\":\"rect\",\"color\":[1,1]"), STATUS_FORMAT, "color"},
+    {AREA_LIGHT("\"type\":\"rect\",\"intensity\":-2"), STATUS_FORMAT, "negative"},
+    {",\"nodes\":[{\"extensions\":{\"EXT_lights_area\":{\"light\":0}}}]", STATUS_FORMAT,
+     "area light 0"},
     // Extensions.
     {",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]", STATUS_UNSUPPORTED,
      "KHR_draco_mesh_compression"},

@@ -1,22 +1,13 @@
-// Renders against the reference images of ../shared/refs (LIGHTKILN_SHARED names the folder
-// otherwise): each image's mean, the mean of each of its blocks, and how noise falls with samples.
-//
-// Each image is rendered with several seeds, so that every block's mean comes with a standard error
-// of its own. Paths that carry much light and are rare make a block's mean too low and its error
-// far too small while none has come; a block is therefore wrong only if two independent sets of
-// seeds say so, both on the same side. That hides no fault: what is wrong stays wrong with other
-// seeds. Seeds are fixed, so what passes on a device passes there always.
+#include "reference.h"
 
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "render_support.h"
@@ -29,70 +20,6 @@
 // Where a block was black in every render, its standard error says nothing: light that none of its
 // 16,384 samples or more has met may be there, up to this share of the image's mean.
 #define UNSEEN_ALLOWED 1e-3
-
-#define EXCLUDED_MAX 4
-
-#define VARIANCE_RUNS 8 // renders whose variances are averaged
-
-// Blocks that are left out, from the first column and row to the last.
-struct area {
-    uint32_t left, top, right, bottom;
-};
-
-// One line of refs.md, and how to render it.
-struct reference {
-    const char *name;
-    const char *scene;
-    uint32_t depth;
-    enum lk_quantity quantity;
-    enum lk_brdf brdf;
-    uint32_t spp; // of each seed
-    double noise; // RMSE left of refs.md
-    struct area excluded[EXCLUDED_MAX];
-};
-
-#define CORNELL "cornell/cornell.gltf"
-#define PLANE   "units/plane.gltf"
-#define SPOT    "units/spot.gltf"
-#define MIRROR  "units/mirror.gltf"
-#define SPONZA  "sponza/Sponza_sun_diffuse.gltf"
-#define SIBENIK "sibenik/sibenik_5lights_diffuse.gltf"
-
-// The two nearest capitals on the right: their inlays lie in one plane with the stone under them,
-// so which is seen is arbitrary, and their interpolated normals at sharp edges follow another rule
-// in the reference.
-// clang-format off
-#define CAPITALS {{16, 1, 19, 3}, {13, 4, 14, 5}}
-
-// Where little but slivers of sun is seen. Curtains that the sun grazes: the reference's shadow
-// rays start 1e-4 (1 + |p|) off the surface, 1 mm here, and its shadows end that much early; with
-// the same offset ours agree. The hanging vase: its normals at sharp edges; a tracer in double
-// precision without a BVH gives our value.
-#define SLIVERS {{17, 9, 19, 10}, {13, 9, 13, 9}}
-
-static const struct reference references[] = {
-    {"cornell_d1", CORNELL, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.00032, {{0}}},
-    {"cornell_d5", CORNELL, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.000428, {{0}}},
-    {"cornell_E_d5", CORNELL, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.0019, {{0}}},
-    {"units_plane_d1", PLANE, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 4.41e-6, {{0}}},
-    {"units_plane_E_d1", PLANE, 1, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 2.77e-5, {{0}}},
-    {"units_spot_d1", SPOT, 1, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000479, {{0}}},
-    {"units_spot_d5", SPOT, 5, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000467, {{0}}},
-    {"units_mirror_d5", MIRROR, 5, LK_RADIANCE, LK_BRDF_PHONG, 16, 0.000274, {{0}}},
-    {"sponza_sun_d1", SPONZA, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 5.38e-5, SLIVERS},
-    {"sponza_sun_d5", SPONZA, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 9.62e-5, {{0}}},
-    {"sponza_sun_E_d5", SPONZA, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.00167, {{0}}},
-    {"sibenik_d1", SIBENIK, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.000244, CAPITALS},
-    {"sibenik_d5", SIBENIK, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.00137, CAPITALS},
-    {"sibenik_E_d5", SIBENIK, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.00714, CAPITALS},
-};
-// clang-format on
-
-// Variance is measured on the Cornell box's irradiance: of its radiance, nine tenths of the
-// variance lie in the hundred pixels of the lamp's outline, too few to measure it by.
-#define VARIANCE_REFERENCE 2
-
-#define REFERENCE_COUNT (sizeof(references) / sizeof(references[0]))
 
 // A reference image and its scene, opened.
 struct subject {
@@ -111,7 +38,7 @@ static bool is_excluded(const struct subject *s, uint32_t block)
 {
     const uint32_t x = block % s->columns;
     const uint32_t y = block / s->columns;
-    for (int i = 0; i < EXCLUDED_MAX; i++) {
+    for (int i = 0; i < REFERENCE_AREAS; i++) {
         const struct area *area = &s->reference->excluded[i];
         if (area->right > 0 && x >= area->left && x <= area->right && y >= area->top &&
             y <= area->bottom)
@@ -262,7 +189,7 @@ static uint32_t judge_blocks(struct subject *s, double image_mean, bool first)
     return worst;
 }
 
-static void image_agrees_with_its_reference(void **state)
+void image_agrees_with_its_reference(void **state)
 {
     struct subject s;
     open_subject(&s, *state);
@@ -292,24 +219,19 @@ static void image_agrees_with_its_reference(void **state)
     close_subject(&s);
 }
 
-// The variance against the reference (thesis section 4.2.2) less the reference's own, averaged over
-// VARIANCE_RUNS seeds.
+// The variance against the reference (thesis section 4.2.2) less the reference's own.
 static double find_variance(struct subject *s, uint32_t spp)
 {
     struct lk_settings settings = subject_settings(s, spp);
-    double sum = 0.0;
-    for (uint32_t run = 0; run < VARIANCE_RUNS; run++) {
-        struct lk_comparison comparison;
-        settings.seed = 1000 * (run + 1) + spp; // independent renders
-        struct lk_image *image = render(s->scene, &settings);
-        assert_int_equal(lk_compare(&comparison, NULL, image, s->image), LK_OK);
-        lk_image_free(image);
-        sum += comparison.variance;
-    }
-    return sum / VARIANCE_RUNS - 3.0 * s->reference->noise * s->reference->noise;
+    struct lk_comparison comparison;
+    settings.seed = 1000 + spp; // independent renders
+    struct lk_image *image = render(s->scene, &settings);
+    assert_int_equal(lk_compare(&comparison, NULL, image, s->image), LK_OK);
+    lk_image_free(image);
+    return comparison.variance - 3.0 * s->reference->noise * s->reference->noise;
 }
 
-static void variance_falls_as_one_over_samples(void **state)
+void variance_falls_as_one_over_samples(void **state)
 {
     struct subject s;
     open_subject(&s, *state);
@@ -320,22 +242,9 @@ static void variance_falls_as_one_over_samples(void **state)
     print_message("note: variance with 16, 64, 256 spp: %.3g, %.3g, %.3g, slope %.3f\n", v16, v64,
                   v256, slope);
 
-    // The few hundred pixels at the lamp's edge make nearly all of the variance, so that of one
-    // render scatters by 15 %, the mean of 8 by 5 %, and the slope over a factor of 16 by
-    // sqrt(2) 0.05 / ln 16 = 0.027; three times that is allowed, and twice that over a factor of 4.
-    assert_true(fabs(slope + 1.0) < 0.08);
-    assert_true(fabs(log(v64 / v16) / log(4.0) + 1.0) < 0.16);
+    // 65,536 pixels give each variance to 1 %, and so the slope over a factor of 16 to 0.005 and
+    // over one of 4 to 0.01; four times that is allowed.
+    assert_true(fabs(slope + 1.0) < 0.02);
+    assert_true(fabs(log(v64 / v16) / log(4.0) + 1.0) < 0.04);
     close_subject(&s);
-}
-
-int main(void)
-{
-    struct CMUnitTest tests[REFERENCE_COUNT + 1];
-    for (size_t i = 0; i < REFERENCE_COUNT; i++)
-        tests[i] = (struct CMUnitTest){.name = references[i].name,
-                                       .test_func = image_agrees_with_its_reference,
-                                       .initial_state = (void *)&references[i]};
-    tests[REFERENCE_COUNT] = (struct CMUnitTest)cmocka_unit_test_prestate(
-        variance_falls_as_one_over_samples, (void *)&references[VARIANCE_REFERENCE]);
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

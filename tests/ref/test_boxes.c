@@ -1,0 +1,48 @@
+// The Cornell box and the scenes of single effects against their references.
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "reference.h"
+
+#define CORNELL "cornell/cornell.gltf"
+#define PLANE   "units/plane.gltf"
+#define SPOT    "units/spot.gltf"
+#define MIRROR  "units/mirror.gltf"
+
+// Variance is measured on the Cornell box's irradiance: of its radiance, nine tenths of the
+// variance lie in the hundred pixels of the lamp's outline, too few to measure it by.
+#define VARIANCE_REFERENCE 2
+
+// clang-format off
+static const struct reference references[] = {
+    {"cornell_d1", CORNELL, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.00032, {{0}}},
+    {"cornell_d5", CORNELL, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.000428, {{0}}},
+    {"cornell_E_d5", CORNELL, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.0019, {{0}}},
+    {"units_plane_d1", PLANE, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 4.41e-6, {{0}}},
+    {"units_plane_E_d1", PLANE, 1, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 2.77e-5, {{0}}},
+    {"units_spot_d1", SPOT, 1, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000479, {{0}}},
+    {"units_spot_d5", SPOT, 5, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000467, {{0}}},
+    {"units_mirror_d5", MIRROR, 5, LK_RADIANCE, LK_BRDF_PHONG, 16, 0.000274, {{0}}},
+};
+// clang-format on
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[0]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[1]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[2]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[3]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[4]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[5]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[6]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[7]),
+        cmocka_unit_test_prestate(variance_falls_as_one_over_samples,
+                                  (void *)&references[VARIANCE_REFERENCE]),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,46 @@
+/**
+ * @file
+ * Renders against the reference images of ../shared/refs (LIGHTKILN_SHARED names the folder
+ * otherwise): the laws, as cmocka tests whose initial state is a struct reference. Without the
+ * folder they are skipped.
+ *
+ * Each image is rendered with several seeds, so that every block's mean comes with a standard error
+ * of its own. Paths that carry much light and are rare make a block's mean too low and its error
+ * far too small while none has come; a block is therefore wrong only if two independent sets of
+ * seeds say so, both on the same side. That hides no fault: what is wrong stays wrong with other
+ * seeds. Seeds are fixed, so what passes on a device passes there always.
+ */
+#ifndef TESTS_REFERENCE_H
+#define TESTS_REFERENCE_H
+
+#include <stdint.h>
+
+#include "lightkiln/lightkiln.h"
+
+#define REFERENCE_AREAS 4
+
+/** Blocks of 16 x 16 pixels, from the first column and row to the last. */
+struct area {
+    uint32_t left, top, right, bottom;
+};
+
+/** One line of refs.md, and how to render it. */
+struct reference {
+    const char *name;  // of the image
+    const char *scene; // below scenes/
+    uint32_t depth;
+    enum lk_quantity quantity;
+    enum lk_brdf brdf;
+    uint32_t spp; // of each seed; 16 seeds make a set
+    double noise; // RMSE left of refs.md
+    struct area excluded[REFERENCE_AREAS];
+};
+
+/** The image's mean is within 1 % of the reference's, and no 16 x 16 block's mean is off by more
+ * than four of its standard errors and 1 %. */
+void image_agrees_with_its_reference(void **state);
+
+/** The variance against the reference falls as 1 / N from 16 to 256 samples per pixel. */
+void variance_falls_as_one_over_samples(void **state);
+
+#endif
