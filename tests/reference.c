@@ -138,6 +138,11 @@ static struct lk_settings subject_settings(const struct subject *s, uint32_t spp
     settings.depth = s->reference->depth;
     settings.quantity = s->reference->quantity;
     settings.brdf = s->reference->brdf;
+
+    // The thesis's tree: with the noise of a better sampler the bound would be met by what refs.md
+    // leaves out, the reference's way with interpolated normals at sharp edges and inlays, which
+    // moves the blocks of Sibenik's columns by 1 to 4 %. test_samplers holds the others to it.
+    settings.light_sampler = LK_LIGHTS_TREE;
     return settings;
 }
 
