@@ -18,9 +18,11 @@
 
 #define QUEUE_GPU                                                                                  \
     (1u << 21) // paths: an H100 needs 2 M rays to be full (241 Mrays/s at 32 K, 2759 at 2 M)
-#define QUEUE_CPU    (1u << 16) // paths: what stages hand on stays in the last cache
-#define QUEUE_MIN    1024u      // paths; below it launches cost more than they do
-#define MEMORY_SHARE 0.9        // of the device's memory that may be planned with
+// Paths; what stages hand on stays in the last cache. Below 2^16, since PoCL compiles every kernel
+// once for grids smaller than that and once more for others, 0.8 s of a cold start in the box.
+#define QUEUE_CPU    (63u << 10)
+#define QUEUE_MIN    1024u // paths; below it launches cost more than they do
+#define MEMORY_SHARE 0.9   // of the device's memory that may be planned with
 
 // ---- Scenes
 
