@@ -113,8 +113,8 @@ static uint64_t queue_capacity(const struct lk_settings *settings, const struct 
     return capacity;
 }
 
-// Of all samplers this one has the least variance at equal time wherever lights differ in what they
-// send, and costs what the others do where they do not.
+// At equal samples importance has a sixtieth to a three hundredth of the others' variance in rooms
+// of 1000 and 10000 lights and a quarter in Sibenik (5), for 1.2 to 1.6 times their time (H100).
 static void choose_sampler(struct lk_settings *settings)
 {
     if (settings->light_sampler == LK_LIGHTS_AUTO)
