@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "render_support.h"
@@ -34,17 +35,9 @@ struct subject {
 
 // ---- Blocks
 
-static bool is_excluded(const struct subject *s, uint32_t block)
+static bool is_left_out(const struct subject *s, uint32_t block)
 {
-    const uint32_t x = block % s->columns;
-    const uint32_t y = block / s->columns;
-    for (int i = 0; i < REFERENCE_AREAS; i++) {
-        const struct area *area = &s->reference->excluded[i];
-        if (area->right > 0 && x >= area->left && x <= area->right && y >= area->top &&
-            y <= area->bottom)
-            return true;
-    }
-    return false;
+    return s->reference->blocks != NULL && s->reference->blocks[block] != '.';
 }
 
 // Number of pixels: those at the bottom and on the right may be cut.
@@ -80,7 +73,7 @@ static double find_mean(const struct subject *s, const double *means, uint32_t s
     double sum = 0.0;
     double pixels = 0.0;
     for (uint32_t i = 0; i < s->block_count; i++) {
-        if (is_excluded(s, i))
+        if (is_left_out(s, i))
             continue;
         sum += means[(size_t)i * stride] * block_pixels(s, i);
         pixels += block_pixels(s, i);
@@ -116,6 +109,8 @@ static void open_subject(struct subject *s, const struct reference *reference)
     lk_image_pixels(s->image, &s->width, &s->height);
     s->columns = (s->width + BLOCK - 1) / BLOCK;
     s->block_count = s->columns * ((s->height + BLOCK - 1) / BLOCK);
+    if (reference->blocks != NULL)
+        assert_int_equal(strlen(reference->blocks), s->block_count);
     s->truth = calloc(s->block_count, sizeof(*s->truth));
     s->values = calloc((size_t)s->block_count * SEEDS, sizeof(*s->values));
     s->misses = calloc(s->block_count, sizeof(*s->misses));
@@ -138,12 +133,6 @@ static struct lk_settings subject_settings(const struct subject *s, uint32_t spp
     settings.depth = s->reference->depth;
     settings.quantity = s->reference->quantity;
     settings.brdf = s->reference->brdf;
-
-    // The thesis's tree. With importance, whose noise is several times less, blocks of sibenik_d1
-    // pass the bound: along the rims of arches, (0..1, 1..2) and (15..16, 0..2), by 2 to 4 %, which
-    // goes when shadow rays start as far off the surface as the reference's do; and on columns and
-    // farther capitals by 1 to 6 %, which does not, and whose cause is not shown.
-    settings.light_sampler = LK_LIGHTS_TREE;
     return settings;
 }
 
@@ -183,7 +172,7 @@ static uint32_t judge_blocks(struct subject *s, double image_mean, bool first)
 {
     uint32_t worst = 0;
     for (uint32_t i = 0; i < s->block_count; i++) {
-        const double miss = is_excluded(s, i) ? 0.0 : find_miss(s, i, image_mean);
+        const double miss = is_left_out(s, i) ? 0.0 : find_miss(s, i, image_mean);
         const double before = s->misses[i];
         if (first)
             s->misses[i] = miss;

@@ -17,13 +17,6 @@
 
 #include "lightkiln/lightkiln.h"
 
-#define REFERENCE_AREAS 4
-
-/** Blocks of 16 x 16 pixels, from the first column and row to the last. */
-struct area {
-    uint32_t left, top, right, bottom;
-};
-
 /** One line of refs.md, and how to render it. */
 struct reference {
     const char *name;  // of the image
@@ -33,7 +26,9 @@ struct reference {
     enum lk_brdf brdf;
     uint32_t spp; // of each seed; 16 seeds make a set
     double noise; // RMSE left of refs.md
-    struct area excluded[REFERENCE_AREAS];
+
+    // A letter for each block, row by row; '.' is judged, what else is left out. NULL: all judged.
+    const char *blocks;
 };
 
 /** The image's mean is within 1 % of the reference's, and no 16 x 16 block's mean is off by more

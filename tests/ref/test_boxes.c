@@ -9,6 +9,7 @@
 #include "reference.h"
 
 #define CORNELL "cornell/cornell.gltf"
+#define SPHERES "cornell/cornell_spheres.gltf"
 #define PLANE   "units/plane.gltf"
 #define SPOT    "units/spot.gltf"
 #define MIRROR  "units/mirror.gltf"
@@ -19,14 +20,15 @@
 
 // clang-format off
 static const struct reference references[] = {
-    {"cornell_d1", CORNELL, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.00032, {{0}}},
-    {"cornell_d5", CORNELL, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.000428, {{0}}},
-    {"cornell_E_d5", CORNELL, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.0019, {{0}}},
-    {"units_plane_d1", PLANE, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 4.41e-6, {{0}}},
-    {"units_plane_E_d1", PLANE, 1, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 2.77e-5, {{0}}},
-    {"units_spot_d1", SPOT, 1, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000479, {{0}}},
-    {"units_spot_d5", SPOT, 5, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000467, {{0}}},
-    {"units_mirror_d5", MIRROR, 5, LK_RADIANCE, LK_BRDF_PHONG, 16, 0.000274, {{0}}},
+    {"cornell_d1", CORNELL, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.00032, NULL},
+    {"cornell_d5", CORNELL, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.000428, NULL},
+    {"cornell_E_d5", CORNELL, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.0019, NULL},
+    {"cornell_spheres_d5", SPHERES, 5, LK_RADIANCE, LK_BRDF_GLTF, 8, 0.000456, NULL},
+    {"units_plane_d1", PLANE, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 4.41e-6, NULL},
+    {"units_plane_E_d1", PLANE, 1, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 2.77e-5, NULL},
+    {"units_spot_d1", SPOT, 1, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000479, NULL},
+    {"units_spot_d5", SPOT, 5, LK_RADIANCE, LK_BRDF_GLTF, 16, 0.000467, NULL},
+    {"units_mirror_d5", MIRROR, 5, LK_RADIANCE, LK_BRDF_PHONG, 16, 0.000274, NULL},
 };
 // clang-format on
 
@@ -41,6 +43,7 @@ int main(void)
         cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[5]),
         cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[6]),
         cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[7]),
+        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[8]),
         cmocka_unit_test_prestate(variance_falls_as_one_over_samples,
                                   (void *)&references[VARIANCE_REFERENCE]),
     };

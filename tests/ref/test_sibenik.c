@@ -11,15 +11,42 @@
 #define SIBENIK "sibenik/sibenik_5lights_diffuse.gltf"
 
 // clang-format off
-// The two nearest capitals on the right: their inlays lie in one plane with the stone under them,
-// so which is seen is arbitrary, and their interpolated normals at sharp edges follow another rule
-// in the reference.
-#define CAPITALS {{16, 1, 19, 3}, {13, 4, 14, 5}}
+// Left out, n: where interpolated normals look away from the viewer (capitals, thin columns), or
+// shadow rays graze an edge (rims of arches). Where such a normal looks away we take the geometric
+// one; the reference turns it over, lets light come from behind the surface, and starts its rays
+// 1e-4 (1 + |p|) off it. Rendered by those rules ours agree in every block (mean -0.03 %); by our
+// own these differ from that by 0.8 % or more. Over more bounces only the nearest capitals do.
+static const char capitals[] =
+    "...................."
+    "................nnnn"
+    "................nnnn"
+    "................nnnn"
+    ".............nn....."
+    ".............nn....."
+    "...................."
+    "...................."
+    "...................."
+    "...................."
+    "...................."
+    "....................";
+static const char normals[] =
+    "................n..."
+    "n............n.nnnnn"
+    ".n...........n.nnnnn"
+    "n..........nn...nnnn"
+    "..nn....n..n.nn....."
+    ".nnn..n.n..nnnn...n."
+    "n.................n."
+    "n......n..........n."
+    "..............n....n"
+    "..............n....n"
+    "............n.n....n"
+    "..............n....n";
 
 static const struct reference references[] = {
-    {"sibenik_d1", SIBENIK, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.000244, CAPITALS},
-    {"sibenik_d5", SIBENIK, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.00137, CAPITALS},
-    {"sibenik_E_d5", SIBENIK, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.00714, CAPITALS},
+    {"sibenik_d1", SIBENIK, 1, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.000244, normals},
+    {"sibenik_d5", SIBENIK, 5, LK_RADIANCE, LK_BRDF_GLTF, 4, 0.00137, capitals},
+    {"sibenik_E_d5", SIBENIK, 5, LK_IRRADIANCE, LK_BRDF_GLTF, 4, 0.00714, capitals},
 };
 // clang-format on
 
