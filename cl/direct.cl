@@ -10,9 +10,7 @@
 #include "lib/light_sampler.h"
 #include "lib/queue.h"
 #include "lib/traverse.h"
-#include "shared/camera.h"
 #include "shared/rng.h"
-#include "shared/zorder.h"
 
 #define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
 
@@ -20,9 +18,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
     __global const struct vertex *vertices, __global const uint2 *colors,
     __global const struct triangle *triangles, __global const struct material *materials,
-    __global const uint *texels, __constant struct settings *settings,
-    __constant struct camera *camera, const struct batch batch, const uint bounce,
-    __global const struct light *restrict lights,
+    __global const uint *texels, __constant struct settings *settings, const struct batch batch,
+    const uint bounce, __global const struct light *restrict lights,
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict queue, __global const struct hit *restrict hits,
     __global const struct shade *restrict shades, __global struct path *restrict paths,
@@ -49,15 +46,13 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
         const struct bsdf b = bsdf_load(&shades[slot]);
         const float3 p = shades[slot].org_normal.xyz;
         const bool alone = (shades[slot].flags & SHADE_NO_BOUNCE) != 0;
-        const uint place = batch.first_pixel + slot;
-        const uint sample = batch.first_sample + place / batch.pixel_count;
-        const uint pixel = zorder_pixel(place % batch.pixel_count, camera->width, camera->height);
+        const struct path_place place = batch_place(batch, slot);
 
         float3 sum = (float3)(0.0f); // over the shadow rays
         for (uint k = 0; k < ray_count; k++) {
             // Draw a light.
-            const uint4 bits =
-                rng_bits(settings->seed, pixel, sample, rng_dimension(bounce, RNG_USE_LIGHT, k));
+            const uint4 bits = rng_bits(settings->seed, place.pixel, place.sample,
+                                        rng_dimension(bounce, RNG_USE_LIGHT, k));
             float expected; // times this hit takes this light, on average
             const uint light = light_draw(&expected, settings, light_nodes, p, b.normal, k, bits.x);
             if (light == EMITTER_NONE)

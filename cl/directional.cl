@@ -11,10 +11,8 @@
 #include "lib/environment.h"
 #include "lib/queue.h"
 #include "lib/traverse.h"
-#include "shared/camera.h"
 #include "shared/light.h"
 #include "shared/settings.h"
-#include "shared/zorder.h"
 
 #if ENV_MAP
 
@@ -49,7 +47,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     __global struct path *restrict paths, __global struct counters *counters
 #if ENV_MAP
     ,
-    __constant struct camera *camera, const struct batch batch, const struct environment_map map,
+    const struct batch batch, const struct environment_map map,
     __global const float4 *restrict map_texels,
     __global const struct environment_alias *restrict map_alias
 #endif
@@ -87,10 +85,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
             sum += value * traverse_light(nodes, woop, refs, &surface, p, dir, FLT_MAX);
         }
 #if ENV_MAP
-        const uint place = batch.first_pixel + slot;
-        const uint sample = batch.first_sample + place / batch.pixel_count;
-        const uint pixel = zorder_pixel(place % batch.pixel_count, camera->width, camera->height);
-        const uint4 bits = rng_bits(settings->seed, pixel, sample,
+        const struct path_place place = batch_place(batch, slot);
+        const uint4 bits = rng_bits(settings->seed, place.pixel, place.sample,
                                     rng_dimension(bounce, RNG_USE_LIGHT, RNG_ENVIRONMENT));
         float3 dir;
         const float3 value = directional_draw(&dir, &b, map, map_texels, map_alias,

@@ -17,10 +17,8 @@
 #include "lib/layers.h"
 #include "lib/light_sampler.h"
 #include "lib/normal_map.h"
-#include "shared/camera.h"
 #include "shared/ray.h"
 #include "shared/rng.h"
-#include "shared/zorder.h"
 
 #ifndef WG_MATERIAL
 #define WG_MATERIAL 64 // work items in a group
@@ -86,24 +84,21 @@ static inline void material_measure_irradiance(struct bsdf *b)
 
 #if LAYERS
 // A uniform number of the path's own, for choosing a layer.
-static inline float material_number(__constant struct settings *settings,
-                                    __constant struct camera *camera, const struct batch *batch,
+static inline float material_number(__constant struct settings *settings, const struct batch batch,
                                     const uint slot, const uint bounce)
 {
-    const uint place = batch->first_pixel + slot;
-    const uint sample = batch->first_sample + place / batch->pixel_count;
-    const uint pixel = zorder_pixel(place % batch->pixel_count, camera->width, camera->height);
+    const struct path_place place = batch_place(batch, slot);
     return rng_unit(
-        rng_bits(settings->seed, pixel, sample, rng_dimension(bounce, RNG_USE_BSDF, 1)).x);
+        rng_bits(settings->seed, place.pixel, place.sample, rng_dimension(bounce, RNG_USE_BSDF, 1))
+            .x);
 }
 #endif
 
 __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
-    __constant struct settings *settings, __constant struct camera *camera,
-    const struct batch batch, const uint bounce, __global const struct counters *counters,
-    __global const uint *restrict order, __global const struct hit *restrict hits,
-    __global const struct vertex *restrict vertices, __global const uint2 *restrict colors,
-    __global const struct triangle *restrict triangles,
+    __constant struct settings *settings, const struct batch batch, const uint bounce,
+    __global const struct counters *counters, __global const uint *restrict order,
+    __global const struct hit *restrict hits, __global const struct vertex *restrict vertices,
+    __global const uint2 *restrict colors, __global const struct triangle *restrict triangles,
     __global const struct material *restrict materials,
     __global const uint *restrict triangle_emitters, __global const struct light *restrict lights,
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
@@ -270,7 +265,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #if LAYERS
             else if (flags & MATERIAL_LAYERED)
                 throughput *= layer_choose(&b, material, &values, color, smooth_normal,
-                                           material_number(settings, camera, &batch, slot, bounce));
+                                           material_number(settings, batch, slot, bounce));
 #endif
             const float3 start = surface_offset(p, b.geometric);
 
@@ -281,12 +276,9 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             shade_flags = SHADE_ACTIVE | (bounces ? 0u : SHADE_NO_BOUNCE);
             bsdf_store(&shades[slot], &b, start, throughput, shade_flags);
             if (bounces) {
-                const uint place = batch.first_pixel + slot;
-                const uint sample = batch.first_sample + place / batch.pixel_count;
-                const uint pixel =
-                    zorder_pixel(place % batch.pixel_count, camera->width, camera->height);
-                const uint4 bits =
-                    rng_bits(settings->seed, pixel, sample, rng_dimension(bounce, RNG_USE_BSDF, 0));
+                const struct path_place place = batch_place(batch, slot);
+                const uint4 bits = rng_bits(settings->seed, place.pixel, place.sample,
+                                            rng_dimension(bounce, RNG_USE_BSDF, 0));
                 const struct bsdf_sample sampled =
                     bsdf_sample(&b, (float3)(rng_unit(bits.x), rng_unit(bits.y), rng_unit(bits.z)));
                 throughput *= sampled.weight;

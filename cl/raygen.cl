@@ -41,10 +41,10 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
         return; // the launch is rounded up to whole groups
 
     // Pick a point inside the pixel: box filter, one pixel wide.
-    const uint place = batch.first_pixel + slot;
-    const uint sample = batch.first_sample + place / batch.pixel_count;
-    const uint pixel = zorder_pixel(place % batch.pixel_count, camera->width, camera->height);
-    const uint4 bits = rng_bits(settings->seed, pixel, sample, rng_dimension(0, RNG_USE_CAMERA, 0));
+    const struct path_place place = batch_place(batch, slot);
+    const uint pixel = zorder_pixel(place.pixel, camera->width, camera->height);
+    const uint4 bits =
+        rng_bits(settings->seed, place.pixel, place.sample, rng_dimension(0, RNG_USE_CAMERA, 0));
     const float x = (float)(pixel % camera->width) + rng_unit(bits.x);
     const float y = (float)(pixel / camera->width) + rng_unit(bits.y);
 

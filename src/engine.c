@@ -312,7 +312,7 @@ static enum status take_image(struct lk_image **out, struct renderer *r,
         return status_fail(STATUS_NO_MEMORY, "no memory for an image of %u x %u", r->camera.width,
                            r->camera.height);
     }
-    const enum status status = film_resolve(&r->film, &r->gpu, image->rgb, r->path_count);
+    const enum status status = film_resolve(&r->film, &r->gpu, image->rgb, &r->sequence);
     if (status != STATUS_OK) {
         lk_image_free(image);
         return status;
@@ -383,7 +383,7 @@ enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene,
     enum status status = begin(&renderer, &info, scene, hook);
     if (status == STATUS_OK)
         status = render_paths(&renderer, &info, hook);
-    if (status == STATUS_OK || (status == STATUS_CANCELLED && renderer.path_count > 0)) {
+    if (status == STATUS_OK || (status == STATUS_CANCELLED && sequence_paths(&renderer.sequence) > 0)) {
         const enum status taken = take_image(out, &renderer, &info);
         status = taken != STATUS_OK ? taken : status;
     }

@@ -37,14 +37,7 @@ static uint64_t pixel_count(const struct renderer *renderer)
 // Enqueues one batch, waits for it, and counts its rays.
 static enum status render_batch(struct renderer *r, struct lk_render_info *info, struct pace *pace)
 {
-    const uint64_t pixels = pixel_count(r);
-    const uint64_t left = pace->total - r->path_count;
-    const struct batch batch = {
-        .first_pixel = (uint32_t)(r->path_count % pixels),
-        .first_sample = (uint32_t)(r->path_count / pixels),
-        .count = left < pace->batch_paths ? (uint32_t)left : pace->batch_paths,
-        .pixel_count = (uint32_t)pixels,
-    };
+    const struct batch batch = sequence_batch(&r->sequence, pace->batch_paths);
     enum status status = pipeline_enqueue(&r->pipeline, &r->gpu, &r->scene, &r->wavefront, &batch,
                                           r->settings.depth);
     if (status == STATUS_OK)
@@ -55,7 +48,7 @@ static enum status render_batch(struct renderer *r, struct lk_render_info *info,
     if (status != STATUS_OK)
         return status;
 
-    r->path_count += batch.count;
+    sequence_advance(&r->sequence, &batch);
     info->rays_camera += batch.count;
     for (uint32_t i = 0; i < r->wavefront.bounce_count; i++) {
         info->rays_indirect += i > 0 ? pace->counters[i].active : 0;
@@ -80,28 +73,28 @@ static enum status report(const struct renderer *r, const struct lk_render_info 
                           const struct lk_progress_hook *hook, struct pace *pace)
 {
     const double now = clock_seconds();
-    if (now < pace->next_report_s && r->path_count < pace->total)
+    if (now < pace->next_report_s && !sequence_ended(&r->sequence))
         return STATUS_OK;
     pace->next_report_s = now + PROGRESS_EVERY;
+    const uint64_t paths = sequence_paths(&r->sequence);
 
     const double seconds = now - pace->start_s;
     const double limit_s = info->settings.time_s;
-    const double by_paths =
-        pace->total != UINT64_MAX ? (double)r->path_count / (double)pace->total : 0.0;
+    const double by_paths = pace->total != UINT64_MAX ? (double)paths / (double)pace->total : 0.0;
     const double by_time = limit_s > 0.0 ? fmin(seconds / limit_s, 1.0) : 0.0;
     double remaining = -1.0;
     if (pace->total != UINT64_MAX && pace->paths_timed > 0)
-        remaining = (double)(pace->total - r->path_count) * seconds / (double)pace->paths_timed;
+        remaining = (double)(pace->total - paths) * seconds / (double)pace->paths_timed;
     if (limit_s > 0.0 && (remaining < 0.0 || limit_s - seconds < remaining))
         remaining = fmax(limit_s - seconds, 0.0);
     const uint64_t rays = info->rays_camera + info->rays_indirect + info->rays_shadow;
-    const double share = r->path_count > 0 ? (double)pace->paths_timed / (double)r->path_count : 0;
+    const double share = paths > 0 ? (double)pace->paths_timed / (double)paths : 0;
     const struct lk_progress progress = {
         .stage = "rendering",
         .fraction = fmax(by_paths, by_time),
         .elapsed_s = now - r->start_s,
         .remaining_s = remaining,
-        .spp = (double)r->path_count / (double)pixel_count(r),
+        .spp = (double)paths / (double)pixel_count(r),
         .mrays_per_s = seconds > 0.0 ? (double)rays * share / seconds * 1e-6 : 0.0,
     };
     return render_report(hook, &progress);
@@ -121,14 +114,14 @@ static enum status render_batches(struct renderer *r, struct lk_render_info *inf
     pace->start_s = last;
 
     const double limit_s = info->settings.time_s;
-    while (r->path_count < pace->total && !(limit_s > 0.0 && last - pace->start_s >= limit_s)) {
-        const uint64_t before = r->path_count;
+    while (!sequence_ended(&r->sequence) && !(limit_s > 0.0 && last - pace->start_s >= limit_s)) {
+        const uint64_t before = sequence_paths(&r->sequence);
         status = render_batch(r, info, pace);
         if (status != STATUS_OK)
             return status;
         const double now = clock_seconds();
         adapt(pace, r, now - last);
-        pace->paths_timed += r->path_count - before;
+        pace->paths_timed += sequence_paths(&r->sequence) - before;
         last = now;
         status = report(r, info, hook, pace);
         if (status != STATUS_OK)
@@ -158,12 +151,13 @@ enum status render_paths(struct renderer *renderer, struct lk_render_info *info,
     };
     if (pace.counters == NULL)
         return status_fail(STATUS_NO_MEMORY, "no memory for counters");
+    sequence_begin(&renderer->sequence, (uint32_t)pixel_count(renderer), settings->spp);
     const double begin = clock_seconds();
     const double build_s = info->time_s.kernel_build;
     const enum status status = render_batches(renderer, info, hook, &pace);
     info->time_s.render = clock_seconds() - begin - (info->time_s.kernel_build - build_s);
-    info->paths = renderer->path_count;
-    info->spp = (double)renderer->path_count / (double)pixel_count(renderer);
+    info->paths = sequence_paths(&renderer->sequence);
+    info->spp = (double)info->paths / (double)pixel_count(renderer);
     free(pace.counters);
     return status;
 }

@@ -21,16 +21,16 @@ struct renderer {
     struct film film;
     struct settings settings; // of the kernels
     struct camera camera;
-    uint64_t path_count; // paths finished
-    double start_s;      // when lk_render() was called, clock_seconds()
+    struct sequence sequence; // where it stands
+    double start_s;           // when lk_render() was called, clock_seconds()
 };
 
 /**
  * Renders until a limit of the settings is met or the hook says no.
  *
- * The sequence of paths is (sample, pixel in Z-order); it is cut into batches of as many paths as
- * the device finishes in BATCH_SECONDS, so that no launch comes near a watchdog and a cancel is
- * heard soon. Nothing in the result depends on the cuts.
+ * The sequence of paths (film/sequence.h) is cut into batches of as many paths as the device
+ * finishes in BATCH_SECONDS, so that no launch comes near a watchdog and a cancel is heard soon.
+ * Nothing in the result depends on the cuts.
  *
  * @param info  rays, paths, spp, times of render and kernel_build are added.
  * @retval STATUS_CANCELLED  The hook returned false; what was finished counts.

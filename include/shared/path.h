@@ -7,15 +7,37 @@
 
 #include "shared/base.h"
 
-// The paths of one batch: `count` consecutive places of the sequence (sample, pixel in Z-order).
-// Slot i of the queue holds place first_pixel + i, counted from the first pixel of first_sample.
+// The paths of one batch: `count` consecutive places of the sequence (pass, pixel in Z-order,
+// sample of the pass). A pass takes 2^sample_shift samples of every pixel, side by side, so that
+// rays that run alike and fetch the same texels lie next to each other.
 struct batch {
-    uint first_pixel;  // place in Z-order of slot 0, < pixel_count
-    uint first_sample; // sample number of slot 0
+    uint first;        // place of slot 0 in its pass, < pixel_count << sample_shift
+    uint first_sample; // first sample number of that pass
     uint count;        // slots in use
     uint pixel_count;  // pixels of the image
+    uint sample_shift; // log2 of the samples in a pass; the passes of a batch are alike
+    uint pad0, pad1, pad2;
 };
-SHARED_SIZE(batch, 16);
+SHARED_SIZE(batch, 32);
+
+// Whose path a slot holds.
+struct path_place {
+    uint pixel;  // in Z-order
+    uint sample; // number
+};
+
+static inline struct path_place batch_place(const struct batch batch, const uint slot)
+{
+    const uint pass_size = batch.pixel_count << batch.sample_shift;
+    const uint in_batch = batch.first + slot;
+    const uint pass = in_batch / pass_size;
+    const uint in_pass = in_batch - pass * pass_size;
+    struct path_place place;
+    place.pixel = in_pass >> batch.sample_shift;
+    place.sample = batch.first_sample + (pass << batch.sample_shift) +
+                   (in_pass & ((1u << batch.sample_shift) - 1u));
+    return place;
+}
 
 // Flags of a path, the low bits of path.radiance_flags.w.
 #define PATH_ALIVE    1u // has a ray to trace

@@ -27,7 +27,7 @@ static inline uint rng_dimension(uint depth, uint use, uint index)
     return (depth << 24) | (use << 22) | (index & 0x3fffffu);
 }
 
-// Four uniform 32-bit numbers for one block of one sample of one pixel.
+// Four uniform 32-bit numbers for one block of one sample of one pixel (its place in Z-order).
 static inline uint4 rng_bits(uint seed, uint pixel, uint sample, uint dimension)
 {
     uint4 v;

@@ -36,11 +36,13 @@ enum status film_enqueue(const struct film *film, struct gpu *gpu,
         ARG_BUFFER(&wavefront->paths),
         ARG_BUFFER(&film->pixels),
     };
-    const uint32_t pixels = batch->count < batch->pixel_count ? batch->count : batch->pixel_count;
-    return kernel_enqueue(gpu, &film->kernel, args, 3, pixels);
+    const uint32_t touched = (batch->count >> batch->sample_shift) + 2; // two may be cut
+    return kernel_enqueue(gpu, &film->kernel, args, 3,
+                          touched < batch->pixel_count ? touched : batch->pixel_count);
 }
 
-enum status film_resolve(const struct film *film, struct gpu *gpu, float *rgb, uint64_t path_count)
+enum status film_resolve(const struct film *film, struct gpu *gpu, float *rgb,
+                         const struct sequence *sequence)
 {
     const uint32_t pixel_count = film->width * film->height;
     struct film_pixel *pixels = malloc(pixel_count * sizeof(*pixels));
@@ -49,7 +51,7 @@ enum status film_resolve(const struct film *film, struct gpu *gpu, float *rgb, u
     const enum status status =
         buffer_read(gpu, &film->pixels, pixels, pixel_count * sizeof(*pixels));
     for (uint32_t place = 0; place < pixel_count && status == STATUS_OK; place++) {
-        const uint64_t samples = path_count / pixel_count + (place < path_count % pixel_count);
+        const uint64_t samples = sequence_samples(sequence, place);
         const double scale = samples > 0 ? 1.0 / (double)samples : 0.0;
         const struct film_pixel *from = &pixels[place];
         float *to = &rgb[3 * (size_t)zorder_pixel(place, film->width, film->height)];

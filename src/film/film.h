@@ -9,6 +9,7 @@
 
 #include "core/status.h"
 #include "device/program.h"
+#include "film/sequence.h"
 #include "pipeline/wavefront.h"
 
 /** All zero is a valid empty one. */
@@ -33,10 +34,11 @@ enum status film_enqueue(const struct film *film, struct gpu *gpu,
 /**
  * Reads the film: the mean of every pixel's samples.
  *
- * @param rgb         [width * height * 3], rows from the top; a pixel without samples is black.
- * @param path_count  Paths added so far, the first of the sequence (sample, pixel in Z-order).
+ * @param rgb       [width * height * 3], rows from the top; a pixel without samples is black.
+ * @param sequence  Where the render stands.
  */
-enum status film_resolve(const struct film *film, struct gpu *gpu, float *rgb, uint64_t path_count);
+enum status film_resolve(const struct film *film, struct gpu *gpu, float *rgb,
+                         const struct sequence *sequence);
 
 void film_free(struct gpu *gpu, struct film *film);
 

@@ -20,7 +20,6 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
         ARG_BUFFER(&scene->materials),
         ARG_BUFFER(&scene->texels),
         ARG_BUFFER(&w->settings),
-        ARG_BUFFER(&w->camera),
         ARG_VALUE(context->batch),
         ARG_VALUE(context->bounce),
         ARG_BUFFER(&scene->lights),

@@ -29,13 +29,12 @@ enum status directional_enqueue(const struct directional *directional,
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->counters),
         // From here on only where there is an environment.
-        ARG_BUFFER(&w->camera),
         ARG_VALUE(context->batch),
         ARG_VALUE(scene->map),
         ARG_BUFFER(&scene->map_texels),
         ARG_BUFFER(&scene->map_alias),
     };
-    const size_t count = sizeof(args) / sizeof(args[0]) - (scene->map.width > 0 ? 0 : 5);
+    const size_t count = sizeof(args) / sizeof(args[0]) - (scene->map.width > 0 ? 0 : 4);
     return kernel_enqueue(context->gpu, &directional->kernel, args, count,
                           stage_trace_items(context, &directional->kernel));
 }

@@ -44,7 +44,6 @@ enum status material_enqueue(const struct material_stage *material,
     const struct buffer *order = material->textures_bound ? &w->slots[0] : stage_queue(context);
     struct kernel_arg args[40] = {
         ARG_BUFFER(&w->settings),
-        ARG_BUFFER(&w->camera),
         ARG_VALUE(context->batch),
         ARG_VALUE(context->bounce),
         ARG_BUFFER(&w->counters),
@@ -64,7 +63,7 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->shades),
     };
-    size_t shared_count = 20; // arguments that every variant takes
+    size_t shared_count = 19; // arguments that every variant takes
     if (material->normal_maps)
         args[shared_count++] = (struct kernel_arg)ARG_BUFFER(&scene->tangents);
     if (material->textures_bound)

@@ -62,7 +62,8 @@
     M(material, coat) M(material, coat_roughness)                                                  \
     M(material, textures)                                                                          \
     S(batch)                                                                                       \
-    M(batch, first_pixel) M(batch, first_sample) M(batch, count) M(batch, pixel_count)             \
+    M(batch, first) M(batch, first_sample) M(batch, count) M(batch, pixel_count)                   \
+    M(batch, sample_shift) M(batch, pad0) M(batch, pad1) M(batch, pad2)                            \
     S(path)                                                                                        \
     M(path, throughput_pdf) M(path, radiance_flags)                                                \
     S(shade)                                                                                       \
