@@ -383,7 +383,8 @@ enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene,
     enum status status = begin(&renderer, &info, scene, hook);
     if (status == STATUS_OK)
         status = render_paths(&renderer, &info, hook);
-    if (status == STATUS_OK || (status == STATUS_CANCELLED && sequence_paths(&renderer.sequence) > 0)) {
+    if (status == STATUS_OK ||
+        (status == STATUS_CANCELLED && sequence_paths(&renderer.sequence) > 0)) {
         const enum status taken = take_image(out, &renderer, &info);
         status = taken != STATUS_OK ? taken : status;
     }
