@@ -10,25 +10,79 @@ static bool has_far_lights(const struct device_scene *scene)
     return scene->directional_count > 0 || has_environment(scene);
 }
 
+// The stages that are built, and whether a scene needs them.
+enum stage {
+    RAYGEN,
+    TRACE,
+    ENVIRONMENT,
+    SORT,
+    MATERIAL,
+    DIRECT,
+    DIRECTIONAL,
+    COMPACT,
+    STAGE_COUNT
+};
+
+static bool needs_stage(enum stage stage, const struct device_scene *scene,
+                        const struct program_options *options)
+{
+    switch (stage) {
+    case ENVIRONMENT:
+        return has_environment(scene);
+    case SORT:
+        return options->textures_bound;
+    case DIRECT:
+        return scene->light_count > 0;
+    case DIRECTIONAL:
+        return has_far_lights(scene);
+    default:
+        return true;
+    }
+}
+
+static enum status build_stage(struct pipeline *p, enum stage stage, const struct gpu *gpu,
+                               uint32_t *built)
+{
+    switch (stage) {
+    case RAYGEN:
+        return raygen_build(&p->raygen, gpu, &p->options, built);
+    case TRACE:
+        return trace_build(&p->trace, gpu, &p->options, built);
+    case ENVIRONMENT:
+        return environment_stage_build(&p->environment, gpu, &p->options, built);
+    case SORT:
+        return sort_build(&p->sort, gpu, &p->options, built);
+    case MATERIAL:
+        return material_build(&p->material, gpu, &p->options, built);
+    case DIRECT:
+        return direct_build(&p->direct, gpu, &p->options, built);
+    case DIRECTIONAL:
+        return directional_build(&p->directional, gpu, &p->options, built);
+    default:
+        return compact_build(&p->compact, gpu, &p->options, built);
+    }
+}
+
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options)
 {
     struct pipeline p = {.options = *options};
-    enum status status = raygen_build(&p.raygen, gpu, options, &p.built);
-    if (status == STATUS_OK)
-        status = trace_build(&p.trace, gpu, options, &p.built);
-    if (status == STATUS_OK && has_environment(scene))
-        status = environment_stage_build(&p.environment, gpu, options, &p.built);
-    if (status == STATUS_OK && options->textures_bound)
-        status = sort_build(&p.sort, gpu, options, &p.built);
-    if (status == STATUS_OK)
-        status = material_build(&p.material, gpu, options, &p.built);
-    if (status == STATUS_OK && scene->light_count > 0)
-        status = direct_build(&p.direct, gpu, options, &p.built);
-    if (status == STATUS_OK && has_far_lights(scene))
-        status = directional_build(&p.directional, gpu, options, &p.built);
-    if (status == STATUS_OK)
-        status = compact_build(&p.compact, gpu, options, &p.built);
+    enum status statuses[STAGE_COUNT] = {STATUS_OK};
+    uint32_t built[STAGE_COUNT] = {0};
+
+    // A compiler of its own for each stage; PoCL has only one, and compiles at the first launch.
+#pragma omp parallel for schedule(dynamic, 1) num_threads(gpu->info.is_cpu ? 1 : STAGE_COUNT)
+    for (int i = 0; i < STAGE_COUNT; i++)
+        if (needs_stage((enum stage)i, scene, options))
+            statuses[i] = build_stage(&p, (enum stage)i, gpu, &built[i]);
+
+    // Messages are a thread's own: what failed fails again for its message.
+    enum status status = STATUS_OK;
+    for (int i = 0; i < STAGE_COUNT && status == STATUS_OK; i++) {
+        if (statuses[i] != STATUS_OK)
+            status = build_stage(&p, (enum stage)i, gpu, &built[i]);
+        p.built += built[i];
+    }
     if (status != STATUS_OK) {
         pipeline_free(&p);
         return status;
