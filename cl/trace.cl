@@ -6,11 +6,17 @@
 //
 // Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
 // NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials whether they let a ray by,
-// LAYERS also those that are thin and smooth.
+// LAYERS also those that are thin and smooth; ANY_HIT: some hit instead of the nearest.
 
 #include "lib/queue.h"
 #include "lib/traverse.h"
 #include "shared/path.h"
+
+#if ANY_HIT
+#define TRACE_ANY true
+#else
+#define TRACE_ANY false
+#endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
     BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
@@ -46,7 +52,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
         passage_init(&passage);
         const struct hit hit =
             traverse_through(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
-                             dir_tmax.w, false, &passage, PASSAGE_CHANCE);
+                             dir_tmax.w, TRACE_ANY, &passage, PASSAGE_CHANCE);
         hits[slot] = hit;
         if (passage.tinted) {
             // What was tested beyond the hit has no part in it.
@@ -56,7 +62,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
         }
 #else
         hits[slot] = traverse(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
-                              dir_tmax.w, false);
+                              dir_tmax.w, TRACE_ANY);
 #endif
     }
 }

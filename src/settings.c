@@ -3,6 +3,11 @@
 #include <math.h>
 #include <stddef.h>
 
+// Paths; what stages hand on stays in the last cache. Below 2^16, since PoCL compiles every kernel
+// once for grids smaller than that and once more for others, 0.8 s of a cold start in the box.
+#define QUEUE_CPU    (63u << 10)
+#define MEMORY_SHARE 0.9 // of the device's memory that may be planned with
+
 // Checks what makes the environment.
 static enum status check_environment(const struct lk_settings *s)
 {
@@ -47,4 +52,24 @@ enum status settings_check(const struct lk_settings *s)
         return status_fail(STATUS_USAGE, "a split threshold of %g m2 is none",
                            (double)s->split_threshold);
     return check_environment(s);
+}
+
+// At equal samples importance has a sixtieth to a three hundredth of the others' variance in rooms
+// of 1000 and 10000 lights and a quarter in Sibenik (5), for 1.2 to 1.6 times their time (H100).
+void settings_choose_sampler(struct lk_settings *settings)
+{
+    if (settings->light_sampler == LK_LIGHTS_AUTO)
+        settings->light_sampler = LK_LIGHTS_IMPORTANCE;
+}
+
+void settings_choose_variants(struct lk_settings *settings, const struct gpu_info *info)
+{
+    if (settings->trace == LK_TRACE_AUTO)
+        settings->trace = LK_TRACE_SIMPLE;
+    if (settings->textures == LK_TEXTURES_AUTO)
+        settings->textures = LK_TEXTURES_POOL;
+    if (settings->queue == 0)
+        settings->queue = info->is_cpu ? QUEUE_CPU : SETTINGS_QUEUE_GPU;
+    if (settings->memory_limit == 0)
+        settings->memory_limit = (uint64_t)((double)info->global_memory * MEMORY_SHARE);
 }

@@ -331,6 +331,96 @@ LK_API void lk_image_free(struct lk_image *image);
 /** Writes the JSON report of a rendered image. @retval LK_WRITE, LK_USAGE (not a rendered image) */
 LK_API enum lk_status lk_report_write(const struct lk_image *image, const char *path);
 
+// ---- Rays
+// --------------------------------------------------------------------------------------------------------
+
+/** A ray of the caller's, world space. */
+struct lk_ray {
+    float org[3]; // m
+    float tmin;   // nearest hit accepted, m
+    float dir[3]; // unit vector
+    float tmax;   // farthest hit accepted, m
+};
+
+#define LK_HIT_NONE 0xffffffffu
+
+struct lk_hit {
+    float t;           // distance, m
+    float u, v;        // weights of the triangle's second and third corner
+    uint32_t triangle; // or LK_HIT_NONE
+};
+
+/** World-space triangles. Borrowed from the scene. */
+struct lk_geometry {
+    const float *positions; // xyz of vertex i at positions + i * position_stride, m
+    const uint32_t *corners; // the three vertices of triangle i at corners + i * corner_stride
+    size_t position_stride, corner_stride; // in elements of these arrays
+    uint64_t vertex_count, triangle_count;
+};
+
+/** Flattens the scene's instances, unless that has been done. @retval LK_NO_MEMORY, LK_FORMAT,
+ * LK_LIMIT */
+LK_API enum lk_status lk_scene_geometry(struct lk_geometry *out, struct lk_scene *scene);
+
+/**
+ * Tells where a light is.
+ *
+ * @param[out] place  xyz and 1: position, m, of a surface its middle; xyz and 0: unit direction
+ * towards a light that is far away.
+ * @return False if `index` is past the last light, or lk_scene_geometry() was not called yet.
+ */
+LK_API bool lk_scene_light(float place[4], const struct lk_scene *scene, size_t index);
+
+/** A scene's triangles on a device, to trace rays of one's own. All of them are solid, whatever
+ * their materials say. Opaque. */
+struct lk_tracer;
+
+struct lk_tracer_info {
+    struct lk_device_info device;
+    struct lk_settings settings; // with every default that matters here filled in; borrowed strings
+    uint32_t width, height;      // of the camera's image; width * height rays fit
+    uint64_t references;         // to triangles in the BVH
+    uint64_t bvh_size;           // bytes on the device
+    double build_s;              // building and packing the BVH took
+};
+
+/**
+ * Prepares the triangles, opens a device and builds the kernels.
+ *
+ * @param settings  Device, camera, width, height, seed, and all that concerns BVH and traversal are
+ * looked at. The strings must outlive the tracer.
+ * @retval as lk_render()
+ */
+LK_API enum lk_status lk_tracer_create(struct lk_tracer **out, struct lk_scene *scene,
+                                       const struct lk_settings *settings);
+
+LK_API void lk_tracer_free(struct lk_tracer *tracer);
+
+LK_API const struct lk_tracer_info *lk_tracer_info(const struct lk_tracer *tracer);
+
+/** Makes the camera's rays, one a pixel in the order of the ray queue, as a render's first sample
+ * has them. @param[out] rays [width * height] */
+LK_API enum lk_status lk_tracer_camera_rays(struct lk_tracer *tracer, struct lk_ray *rays);
+
+/** Copies rays to the device: [count], at most width * height. */
+LK_API enum lk_status lk_tracer_set_rays(struct lk_tracer *tracer, const struct lk_ray *rays,
+                                         uint32_t count);
+
+#define LK_LAUNCHES_MAX 64
+
+/**
+ * Traces the rays and waits.
+ *
+ * @param[out] seconds  One launch took, on average. NULL: not asked for.
+ * @param any_hit       Look for some hit instead of the nearest.
+ * @param launches      Times to do it, back to back, 1 .. LK_LAUNCHES_MAX.
+ */
+LK_API enum lk_status lk_tracer_run(struct lk_tracer *tracer, double *seconds, bool any_hit,
+                                    uint32_t launches);
+
+/** Copies the hits of the last run: [count of the rays set]. */
+LK_API enum lk_status lk_tracer_hits(struct lk_tracer *tracer, struct lk_hit *hits);
+
 // ---- Comparison
 // -------------------------------------------------------------------------------------------------
 

@@ -74,9 +74,10 @@ const struct option option_table[] = {
     {"memory-limit", 0, BOTH, "MB", "most memory to take on the device", "all it has", MEGABYTES(settings.memory_limit)},
     {"no-cache", 0, BOTH, NULL, "build the kernels from source", NULL, FLAG(settings.no_cache)},
 
-    HEADING(BENCH, "Reference"),
+    HEADING(BENCH, "Reference (lights) and runs (trace)"),
     {"reference", 0, BENCH, "FILE", "image of the same scene, camera, size and depth", "rendered", TEXT(reference)},
     {"reference-time", 0, BENCH, "S", "seconds to render it, without --reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
+    {"runs", 0, BENCH, "N", "measured runs of each class of rays", NULL, UINT(runs, 1, 1000)},
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},
@@ -100,7 +101,7 @@ _Static_assert(sizeof(enum lk_trace) == sizeof(int), "choices are stored as int"
 
 void options_init(struct options *options)
 {
-    *options = (struct options){.log_level = LK_LOG_WARNING};
+    *options = (struct options){.log_level = LK_LOG_WARNING, .runs = 7};
     lk_settings_init(&options->settings);
 }
 
