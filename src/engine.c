@@ -16,7 +16,7 @@
 #include "scene/gltf_import.h"
 #include "settings.h"
 
-#define QUEUE_MIN    1024u // paths; below it launches cost more than they do
+#define QUEUE_MIN 1024u // paths; below it launches cost more than they do
 
 // ---- Scenes
 
@@ -122,8 +122,8 @@ enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
     if (status != STATUS_OK)
         return (enum lk_status)status;
     const uint64_t pixels = (uint64_t)camera.width * camera.height;
-    const uint64_t capacity =
-        queue_capacity(settings, &camera, pixels < SETTINGS_QUEUE_GPU ? pixels : SETTINGS_QUEUE_GPU);
+    const uint64_t capacity = queue_capacity(
+        settings, &camera, pixels < SETTINGS_QUEUE_GPU ? pixels : SETTINGS_QUEUE_GPU);
     describe_scene(out, scene, &camera, capacity, settings->textures == LK_TEXTURES_BOUND);
     return LK_OK;
 }

@@ -1,7 +1,7 @@
 /**
  * @file
- * Whether a caller's settings make sense, before anything is done with them, and what is taken where
- * they leave it open.
+ * Whether a caller's settings make sense, before anything is done with them, and what is taken
+ * where they leave it open.
  */
 #ifndef SETTINGS_H
 #define SETTINGS_H

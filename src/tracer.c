@@ -53,7 +53,9 @@ static void find_middle(float *place, const struct emitters *emitters, size_t in
     uint32_t kind;
     memcpy(&kind, &light->color_kind.w, sizeof(kind));
     const enum light_type type = kind & LIGHT_TYPE_MASK;
-    const float share = type == LIGHT_TRIANGLE ? 1.0f / 3.0f : type == LIGHT_RECTANGLE ? 0.5f : 0.0f;
+    const float share = type == LIGHT_TRIANGLE    ? 1.0f / 3.0f
+                        : type == LIGHT_RECTANGLE ? 0.5f
+                                                  : 0.0f;
     memcpy(place, &light->org_range, 3 * sizeof(*place));
     if (share > 0.0f) {
         const struct light_shape *shape = &emitters->shapes[kind >> LIGHT_SHAPE_SHIFT];

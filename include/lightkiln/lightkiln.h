@@ -352,7 +352,7 @@ struct lk_hit {
 
 /** World-space triangles. Borrowed from the scene. */
 struct lk_geometry {
-    const float *positions; // xyz of vertex i at positions + i * position_stride, m
+    const float *positions;  // xyz of vertex i at positions + i * position_stride, m
     const uint32_t *corners; // the three vertices of triangle i at corners + i * corner_stride
     size_t position_stride, corner_stride; // in elements of these arrays
     uint64_t vertex_count, triangle_count;

@@ -123,8 +123,8 @@ static enum status measure(struct bench *b)
     struct lk_hit *hits = malloc((size_t)info->width * info->height * sizeof(*hits));
     enum status status = STATUS_OK;
     if (hits == NULL)
-        status = status_fail(STATUS_NO_MEMORY, "no memory for %u x %u hits", info->width,
-                             info->height);
+        status =
+            status_fail(STATUS_NO_MEMORY, "no memory for %u x %u hits", info->width, info->height);
     if (status == STATUS_OK)
         status = (enum status)lk_scene_geometry(&b->geometry, b->scene);
     if (status == STATUS_OK)
@@ -163,8 +163,7 @@ static void print_row(const struct bench *b, const struct row *row)
     for (int k = 0; k < RAY_CLASSES; k++) {
         char range[32];
         const struct cell *cell = &row->cells[k];
-        snprintf(range, sizeof(range), "(%.4g-%.4g)", rate(b, cell, k, 1.0),
-                 rate(b, cell, k, 0.0));
+        snprintf(range, sizeof(range), "(%.4g-%.4g)", rate(b, cell, k, 1.0), rate(b, cell, k, 0.0));
         printf(" %6.4g %-13s", rate(b, cell, k, 0.5), range);
     }
     printf("\n");
