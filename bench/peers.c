@@ -303,6 +303,8 @@ static void print_tables(const struct peers *p)
 static enum status run(struct peers *p)
 {
     struct lk_settings thesis = p->options.settings;
+    thesis.bvh_build = LK_BVH_BUILD_THESIS;
+    thesis.bvh = LK_BVH_BINARY;
     thesis.trace = LK_TRACE_PERSISTENT;
     enum status status = (enum status)lk_scene_load(&p->scene, p->options.operands[1]);
     if (status == STATUS_OK)

@@ -66,7 +66,7 @@ static void describe_scene(struct lk_scene_info *out, const struct lk_scene *sce
     *out = (struct lk_scene_info){
         .file = scene->scene.file,
         .triangles = p->geometry.triangle_count,
-        .triangles_split = p->bvh.ref_count,
+        .triangles_split = p->reference_count,
         .instances = scene->scene.instance_count,
         .materials = scene->scene.material_count,
         .textures = scene->scene.texture_count,
@@ -113,6 +113,8 @@ enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
     struct camera camera;
     struct lk_settings chosen = *settings;
     settings_choose_sampler(&chosen);
+    if (chosen.bvh == LK_BVH_AUTO)
+        chosen.bvh = LK_BVH_BINARY;
     enum status status = settings_check(settings);
     if (status == STATUS_OK)
         status = prepare_scene(scene, &chosen);
@@ -238,6 +240,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
     const struct upload_source source = prepared_source(scene);
     struct program_options options = {
         .persistent = settings->trace == LK_TRACE_PERSISTENT,
+        .bvh_wide = settings->bvh == LK_BVH_WIDE,
         .nodes_image = settings->nodes == LK_NODES_TEXTURE,
         .textures_bound = settings->textures == LK_TEXTURES_BOUND,
         .light_sampler = (int)settings->light_sampler,
@@ -321,19 +324,20 @@ static enum status begin(struct renderer *r, struct lk_render_info *info, struct
     if (status == STATUS_OK)
         status = render_report(hook, &progress);
     if (status == STATUS_OK)
-        status = prepare_scene(scene, settings);
+        status = gpu_open(&r->gpu, settings->device, settings->profile);
+    if (status != STATUS_OK)
+        return status;
+    engine_describe_device(&info->device, &r->gpu.info);
+    settings_choose_variants(settings, &r->gpu.info);
+    status = prepare_scene(scene, settings);
     if (status == STATUS_OK)
         status = camera_build(&r->camera, &scene->scene, &scene->prepared.geometry,
                               settings->camera, settings->width, settings->height);
-    if (status == STATUS_OK)
-        status = gpu_open(&r->gpu, settings->device, settings->profile);
     if (status != STATUS_OK)
         return status;
 
     settings->width = r->camera.width;
     settings->height = r->camera.height;
-    engine_describe_device(&info->device, &r->gpu.info);
-    settings_choose_variants(settings, &r->gpu.info);
     info->time_s.import = scene->import_s;
     info->time_s.prepare = prepared_seconds(scene);
     progress.stage = "building kernels";

@@ -8,6 +8,7 @@
 #include "device/gpu.h"
 #include "lightkiln/lightkiln.h"
 #include "prep/bvh_pack.h"
+#include "prep/bvh_wide.h"
 #include "prep/emitters.h"
 #include "prep/environment.h"
 #include "prep/flatten.h"
@@ -20,6 +21,8 @@
 struct bvh_request {
     float split_threshold;
     uint32_t leaf_size;
+    enum lk_bvh layout;
+    enum lk_bvh_build build;
 };
 
 /** What prep/ makes of a scene, each part once for as long as its settings stay. All zero: not
@@ -30,7 +33,9 @@ struct prepared {
     struct material_set materials;
     bool ready; // those above
 
-    struct packed_bvh bvh;
+    struct packed_bvh bvh; // empty if the layout is wide,
+    struct wide_bvh wide;  // else this is
+    uint32_t reference_count;
     struct bvh_request bvh_request;
 
     struct light_tree light_tree;        // empty unless the sampler is tree

@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "prep/bvh.h"
 #include "prep/presplit.h"
+#include "prep/sbvh.h"
 
 enum status prepare_geometry(struct lk_scene *scene)
 {
@@ -28,18 +29,24 @@ enum status prepare_geometry(struct lk_scene *scene)
     return STATUS_OK;
 }
 
-static enum status build_bvh(struct packed_bvh *out, const struct geometry *geometry,
-                             const struct scene_material *materials,
-                             const struct bvh_request *request)
+// Builds a tree and packs it into the layout asked for; the other is left empty.
+static enum status build_bvh(struct prepared *out, const struct geometry *geometry,
+                             const struct scene_material *materials)
 {
+    const struct bvh_request *request = &out->bvh_request;
     struct tri_ref *refs = NULL;
     uint32_t ref_count = 0;
     struct bvh bvh = {0};
     enum status status = presplit(&refs, &ref_count, geometry, request->split_threshold);
-    if (status == STATUS_OK)
+    if (status == STATUS_OK && request->build == LK_BVH_BUILD_THESIS)
         status = bvh_build(&bvh, refs, ref_count, request->leaf_size);
-    if (status == STATUS_OK)
-        status = bvh_pack(out, &bvh, refs, geometry, materials);
+    else if (status == STATUS_OK)
+        status = sbvh_build(&bvh, refs, ref_count, geometry, request->leaf_size);
+    if (status == STATUS_OK && request->layout == LK_BVH_WIDE)
+        status = wide_bvh_pack(&out->wide, &bvh, refs, geometry, materials);
+    else if (status == STATUS_OK)
+        status = bvh_pack(&out->bvh, &bvh, refs, geometry, materials);
+    out->reference_count = bvh.ref_count;
     bvh_free(&bvh);
     free(refs);
     return status;
@@ -48,23 +55,27 @@ static enum status build_bvh(struct packed_bvh *out, const struct geometry *geom
 static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
                                const struct lk_settings *settings)
 {
-    const struct bvh_request request = {
-        .split_threshold = settings->split_threshold,
-        .leaf_size = settings->leaf_size,
-    };
-    if (memcmp(&request, &p->bvh_request, sizeof(request)) == 0)
+    struct prepared made = {.bvh_request = {
+                                .split_threshold = settings->split_threshold,
+                                .leaf_size = settings->leaf_size,
+                                .layout = settings->bvh,
+                                .build = settings->bvh_build,
+                            }};
+    if (memcmp(&made.bvh_request, &p->bvh_request, sizeof(made.bvh_request)) == 0)
         return STATUS_OK;
     const double start = clock_seconds();
-    struct packed_bvh bvh;
-    const enum status status = build_bvh(&bvh, &p->geometry, scene->materials, &request);
+    const enum status status = build_bvh(&made, &p->geometry, scene->materials);
     if (status != STATUS_OK)
         return status;
+    wide_bvh_free(&p->wide);
     packed_bvh_free(&p->bvh);
-    p->bvh = bvh;
-    p->bvh_request = request;
+    p->bvh = made.bvh;
+    p->wide = made.wide;
+    p->reference_count = made.reference_count;
+    p->bvh_request = made.bvh_request;
     p->bvh_s = clock_seconds() - start;
     log_message(LOG_INFO, "built a BVH of %u triangles, %u references in %.2f s",
-                p->geometry.triangle_count, p->bvh.ref_count, p->bvh_s);
+                p->geometry.triangle_count, p->reference_count, p->bvh_s);
     return STATUS_OK;
 }
 
@@ -157,6 +168,7 @@ void prepared_free(struct prepared *prepared)
     light_bvh_free(&prepared->light_bvh);
     light_tree_free(&prepared->light_tree);
     emitters_free(&prepared->emitters);
+    wide_bvh_free(&prepared->wide);
     packed_bvh_free(&prepared->bvh);
     geometry_free(&prepared->geometry);
     *prepared = (struct prepared){0};
@@ -174,6 +186,7 @@ struct upload_source prepared_source(const struct lk_scene *scene)
     const struct upload_source source = {
         .geometry = &prepared->geometry,
         .bvh = &prepared->bvh,
+        .wide = &prepared->wide,
         .emitters = &prepared->emitters,
         .environment = &scene->surroundings.environment,
         .light_tree = &prepared->light_tree,

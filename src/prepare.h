@@ -13,8 +13,8 @@
  * Prepares a scene and its surroundings for these settings: what has not been done for them yet.
  * Fails as the modules of prep/ do.
  *
- * @param settings  split_threshold, leaf_size, light_sampler (not auto) and what makes the
- *                  environment are looked at.
+ * @param settings  split_threshold, leaf_size, bvh (not auto), bvh_build, light_sampler (not
+ *                  auto) and what makes the environment are looked at.
  */
 enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings);
 

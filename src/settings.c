@@ -48,6 +48,9 @@ enum status settings_check(const struct lk_settings *s)
         return status_fail(STATUS_USAGE, "%u shadow rays are not within 1 .. 64", s->shadow_rays);
     if (s->leaf_size < 2 || s->leaf_size > 32)
         return status_fail(STATUS_USAGE, "a leaf size of %u is not within 2 .. 32", s->leaf_size);
+    if (s->bvh == LK_BVH_WIDE && s->nodes == LK_NODES_TEXTURE)
+        return status_fail(STATUS_USAGE, "a texture holds nodes of the binary BVH only: --bvh wide "
+                                         "goes with --nodes buffer");
     if (!isfinite(s->split_threshold) || s->split_threshold < 0.0f)
         return status_fail(STATUS_USAGE, "a split threshold of %g m2 is none",
                            (double)s->split_threshold);
@@ -66,6 +69,9 @@ void settings_choose_variants(struct lk_settings *settings, const struct gpu_inf
 {
     if (settings->trace == LK_TRACE_AUTO)
         settings->trace = LK_TRACE_SIMPLE;
+    if (settings->bvh == LK_BVH_AUTO)
+        settings->bvh =
+            info->is_cpu && settings->nodes == LK_NODES_BUFFER ? LK_BVH_WIDE : LK_BVH_BINARY;
     if (settings->textures == LK_TEXTURES_AUTO)
         settings->textures = LK_TEXTURES_POOL;
     if (settings->queue == 0)

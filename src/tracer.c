@@ -96,6 +96,7 @@ static enum status upload_solid(struct lk_tracer *t, const struct lk_scene *scen
     const struct upload_source source = {
         .geometry = &no_geometry,
         .bvh = &scene->prepared.bvh,
+        .wide = &scene->prepared.wide,
         .emitters = &no_emitters,
         .environment = &no_environment,
         .light_tree = &no_tree,
@@ -112,6 +113,7 @@ static enum status set_up(struct lk_tracer *t, struct lk_scene *scene)
     const struct settings settings = {.seed = s->seed, .depth = BOUNCES};
     struct program_options options = {
         .persistent = s->trace == LK_TRACE_PERSISTENT,
+        .bvh_wide = s->bvh == LK_BVH_WIDE,
         .nodes_image = s->nodes == LK_NODES_TEXTURE,
         .no_cache = s->no_cache,
     };
@@ -150,7 +152,7 @@ static enum status begin(struct lk_tracer *t, struct lk_scene *scene)
         return status;
     t->info.width = t->camera.width;
     t->info.height = t->camera.height;
-    t->info.references = scene->prepared.bvh.ref_count;
+    t->info.references = scene->prepared.reference_count;
     t->info.build_s = scene->prepared.bvh_s;
     return set_up(t, scene);
 }

@@ -119,7 +119,7 @@ struct lk_settings;
 /**
  * Tells what a render of this scene would hold, without rendering or touching any device. Does the
  * preparation if it has not been done for these settings. The ray queue is taken as large as the
- * image or 2^21 paths, whichever is less.
+ * image or 2^21 paths, whichever is less, and the BVH as binary unless the settings say wide.
  */
 LK_API enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
                                     const struct lk_settings *settings);
@@ -181,6 +181,17 @@ enum lk_trace {
     LK_TRACE_PERSISTENT // work fetched from a queue (Aila & Laine 2009)
 };
 
+enum lk_bvh {
+    LK_BVH_AUTO,   // by the device
+    LK_BVH_BINARY, // the thesis's
+    LK_BVH_WIDE    // 8 children a node, triangles by four: for CPUs
+};
+
+enum lk_bvh_build {
+    LK_BVH_BUILD_SBVH,  // may split triangles (Stich et al. 2009)
+    LK_BVH_BUILD_THESIS // thesis section 3.1
+};
+
 enum lk_textures {
     LK_TEXTURES_AUTO,
     LK_TEXTURES_BOUND, // rays sorted by material, one launch each with its images bound (thesis
@@ -190,7 +201,7 @@ enum lk_textures {
 
 enum lk_nodes {
     LK_NODES_BUFFER,
-    LK_NODES_TEXTURE // BVH nodes through a 1D texture (thesis section 3.2)
+    LK_NODES_TEXTURE // binary BVH's nodes through a 1D texture (thesis section 3.2)
 };
 
 enum lk_tonemap {
@@ -222,10 +233,13 @@ struct lk_settings {
     float sky_turbidity;    // haze of that sky, 2 .. 10; default 3
     const char *device;     // "cpu", "gpu", "P:D", or part of a name; NULL: the best
     enum lk_trace trace;
+    enum lk_bvh bvh;
+    enum lk_bvh_build bvh_build;
     enum lk_textures textures;
     enum lk_nodes nodes;
     float split_threshold; // largest box surface of a reference, m2; 0: no splitting
-    uint32_t leaf_size;    // a node with fewer triangles becomes a leaf, 2 .. 32; default 8
+    uint32_t leaf_size;    // no leaf has so many triangles, 2 .. 32; by the thesis's builder every
+                           // node with fewer is one; default 8
     uint32_t seed;
     uint32_t queue;        // paths in flight; 0: by the device
     uint64_t memory_limit; // bytes on the device; 0: what the device has
@@ -379,7 +393,7 @@ struct lk_tracer_info {
     struct lk_device_info device;
     struct lk_settings settings; // with every default that matters here filled in; borrowed strings
     uint32_t width, height;      // of the camera's image; width * height rays fit
-    uint64_t references;         // to triangles in the BVH
+    uint64_t references;         // to triangles that the builder made
     uint64_t bvh_size;           // bytes on the device
     double build_s;              // building and packing the BVH took
 };

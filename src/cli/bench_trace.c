@@ -13,15 +13,23 @@
 // One way to trace.
 struct variant {
     const char *name;
+    enum lk_bvh_build build;
+    enum lk_bvh bvh;
     enum lk_trace trace;
     enum lk_nodes nodes;
 };
 
+// The thesis's comes first.
 static const struct variant variants[] = {
-    {"binary simple", LK_TRACE_SIMPLE, LK_NODES_BUFFER},
-    {"binary persistent", LK_TRACE_PERSISTENT, LK_NODES_BUFFER},
-    {"binary simple, texture", LK_TRACE_SIMPLE, LK_NODES_TEXTURE},
-    {"binary persistent, texture", LK_TRACE_PERSISTENT, LK_NODES_TEXTURE},
+    {"thesis: binary persistent", LK_BVH_BUILD_THESIS, LK_BVH_BINARY, LK_TRACE_PERSISTENT,
+     LK_NODES_BUFFER},
+    {"thesis: as texture", LK_BVH_BUILD_THESIS, LK_BVH_BINARY, LK_TRACE_PERSISTENT,
+     LK_NODES_TEXTURE},
+    {"thesis BVH, wide simple", LK_BVH_BUILD_THESIS, LK_BVH_WIDE, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
+    {"binary simple", LK_BVH_BUILD_SBVH, LK_BVH_BINARY, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
+    {"binary persistent", LK_BVH_BUILD_SBVH, LK_BVH_BINARY, LK_TRACE_PERSISTENT, LK_NODES_BUFFER},
+    {"wide simple", LK_BVH_BUILD_SBVH, LK_BVH_WIDE, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
+    {"wide persistent", LK_BVH_BUILD_SBVH, LK_BVH_WIDE, LK_TRACE_PERSISTENT, LK_NODES_BUFFER},
 };
 
 #define VARIANT_COUNT (sizeof(variants) / sizeof(variants[0]))
@@ -54,6 +62,8 @@ static enum status create_tracers(struct bench *b)
         struct lk_settings settings = b->options->settings;
         struct row *row = &b->rows[i];
         row->variant = &variants[i];
+        settings.bvh_build = row->variant->build;
+        settings.bvh = row->variant->bvh;
         settings.trace = row->variant->trace;
         settings.nodes = row->variant->nodes;
         const enum lk_status status = lk_tracer_create(&row->tracer, b->scene, &settings);
