@@ -67,8 +67,10 @@ void settings_choose_sampler(struct lk_settings *settings)
 
 void settings_choose_variants(struct lk_settings *settings, const struct gpu_info *info)
 {
+    // PoCL keeps the stack of every item of a plain group apart, which leaves the first cache; the
+    // queue takes groups of one (Sponza, wide: up to 7 % more rays/s).
     if (settings->trace == LK_TRACE_AUTO)
-        settings->trace = LK_TRACE_SIMPLE;
+        settings->trace = info->is_cpu ? LK_TRACE_PERSISTENT : LK_TRACE_SIMPLE;
     if (settings->bvh == LK_BVH_AUTO)
         settings->bvh =
             info->is_cpu && settings->nodes == LK_NODES_BUFFER ? LK_BVH_WIDE : LK_BVH_BINARY;

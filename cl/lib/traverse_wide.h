@@ -65,6 +65,12 @@ static inline uint wide_lowest(const uint bits)
 #endif
 }
 
+// The highest bit that is set; some is.
+static inline uint wide_highest(const uint bits)
+{
+    return 31u - clz(bits);
+}
+
 // Tests a leaf's triangles. Returns whether the ray ends there.
 static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const int word,
                              const float3 org, const float3 dir, const float tmin,
@@ -105,8 +111,8 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
             const uint lane = wide_lowest(bits);
             if (!(ts[lane] < hit->t))
                 continue;
-            const uint ref = scene->refs[WIDE_BLOCK * i + lane];
 #if ALPHA
+            const uint ref = scene->refs[WIDE_BLOCK * i + lane];
             if ((ref & BVH_REF_ALPHA) &&
                 passage_ask(passage, mode, &scene->surface, ref & BVH_REF_TRIANGLE, us[lane],
                             vs[lane], org, dir))
@@ -115,12 +121,21 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
             hit->t = ts[lane];
             hit->u = us[lane];
             hit->v = vs[lane];
-            hit->triangle = ref & BVH_REF_TRIANGLE;
+            hit->triangle = WIDE_BLOCK * i + lane;
             if (any_hit)
                 return true;
         }
     }
     return false;
+}
+
+// Turns the number of a reference into that of its triangle: once for each ray, since it is a miss
+// of the cache.
+static inline struct hit wide_name(struct hit hit, const struct traced *scene)
+{
+    if (hit.triangle != HIT_NONE)
+        hit.triangle = scene->refs[hit.triangle] & BVH_REF_TRIANGLE;
+    return hit;
 }
 
 // Finds what the ray hits between tmin and tmax (lib/traverse.h).
@@ -162,6 +177,15 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             __global const int *children = (__global const int *)(rows + 6);
             if (bits == 0)
                 goto next;
+
+            // For any hit, take the first, and keep the others in order.
+            if (any_hit) {
+                for (; (bits & (bits - 1)) != 0; bits ^= 1u << wide_highest(bits))
+                    words[top++] = children[wide_highest(bits)];
+                node = children[wide_lowest(bits)];
+                continue;
+            }
+
             uint child = wide_lowest(bits);
             bits &= bits - 1;
             node = children[child];
@@ -197,14 +221,14 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
         }
 
         if (wide_leaf(&hit, scene, node, org, dir, tmin, any_hit, passage, mode))
-            return hit;
+            return wide_name(hit, scene);
     next:
         // Go on with what is kept, but for what lies beyond the hit.
         do {
             if (top == 0)
-                return hit;
+                return wide_name(hit, scene);
             top--;
-        } while (enters[top] >= hit.t);
+        } while (!any_hit && enters[top] >= hit.t);
         node = words[top];
     }
 }

@@ -1,12 +1,14 @@
 #include "prep/bvh_wide.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "prep/array.h"
 #include "prep/box.h"
 #include "prep/bvh_pack.h"
+#include "prep/vec3.h"
 
 // Cost of a visit of a node and of a test of a block; 1 and 0.7 to 1.3 trace Sponza alike.
 #define NODE_COST  1.0f
@@ -21,6 +23,7 @@
 // What is known of a node of the build tree.
 struct choice {
     float cost[SLOTS];     // least cost of the subtree as at most 1 .. 7 children of one wide node
+    float surface;         // of the triangles in it, m2, as far as they fit its boxes
     uint32_t first, count; // its references
     bool leaf;             // as one child, it is a leaf
 };
@@ -55,14 +58,30 @@ static uint32_t count_blocks(uint32_t refs)
     return (refs + WIDE_BLOCK - 1) / WIDE_BLOCK;
 }
 
-// Finds the costs of one node from those of its children (Ylitie et al., equations 1 to 4).
-static void choose(struct choice *choices, const struct bvh_build_node *nodes, uint32_t index)
+// The surface of a triangle, m2, no more than fits a box across.
+static float clipped_surface(const struct packer *p, uint32_t triangle, float box_area)
 {
-    const struct bvh_build_node *node = &nodes[index];
+    const struct triangle *tri = &p->geometry->triangles[triangle];
+    double a[3], b[3], c[3], normal[3];
+    vec3_position(a, &p->geometry->vertices[tri->v0]);
+    vec3_position(b, &p->geometry->vertices[tri->v1]);
+    vec3_position(c, &p->geometry->vertices[tri->v2]);
+    vec3_face(normal, a, b, c);
+    const float surface = (float)(0.5 * vec3_length(normal));
+    return surface < box_area ? surface : box_area;
+}
+
+// Finds the costs of one node from those of its children (Ylitie et al., equations 1 to 4).
+static void choose(struct packer *p, uint32_t index)
+{
+    struct choice *choices = p->choices;
+    const struct bvh_build_node *node = &p->bvh->nodes[index];
     struct choice *choice = &choices[index];
     const float area = (float)box_half_area(node->lo, node->hi);
     if (node->count > 0) {
         *choice = (struct choice){.first = node->left, .count = node->count, .leaf = true};
+        for (uint32_t i = node->left; i < node->left + node->count; i++)
+            choice->surface += clipped_surface(p, p->refs[p->bvh->order[i]].triangle, area);
         for (uint32_t k = 0; k < SLOTS; k++)
             choice->cost[k] = area * BLOCK_COST * (float)count_blocks(node->count);
         return;
@@ -72,6 +91,7 @@ static void choose(struct choice *choices, const struct bvh_build_node *nodes, u
     uint32_t taken;
     choice->first = left->first;
     choice->count = left->count + right->count;
+    choice->surface = left->surface + right->surface;
     const float inner = area * NODE_COST + deal(&taken, left, right, WIDE_CHILDREN);
     const float leaf = choice->count <= LEAF_REFS
                            ? area * BLOCK_COST * (float)count_blocks(choice->count)
@@ -102,6 +122,17 @@ static void collect(uint32_t *children, uint32_t *count, const struct packer *p,
     collect(children, count, p, left + 1, slots - taken);
 }
 
+// How likely a ray that enters a subtree is stopped there, over what it costs to find out: a search
+// for any hit is shortest that goes by this. The chance is that of random lines through its box.
+static float promise_of(const struct packer *p, uint32_t index)
+{
+    const struct choice *choice = &p->choices[index];
+    const float area = (float)box_half_area(p->bvh->nodes[index].lo, p->bvh->nodes[index].hi);
+    if (!(area > 0.0f && choice->cost[0] > 0.0f))
+        return 0.0f;
+    return (1.0f - expf(-choice->surface / area)) * area / choice->cost[0];
+}
+
 // The subtrees that become the children of a wide node. Returns how many.
 static uint32_t find_children(uint32_t *children, const struct packer *p, uint32_t index)
 {
@@ -111,6 +142,20 @@ static uint32_t find_children(uint32_t *children, const struct packer *p, uint32
     deal(&taken, &p->choices[left], &p->choices[left + 1], WIDE_CHILDREN);
     collect(children, &count, p, left, taken);
     collect(children, &count, p, left + 1, WIDE_CHILDREN - taken);
+
+    // Sort them, the most promising first.
+    float promises[WIDE_CHILDREN];
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t child = children[i];
+        const float promise = promise_of(p, child);
+        uint32_t place = i;
+        for (; place > 0 && promises[place - 1] < promise; place--) {
+            promises[place] = promises[place - 1];
+            children[place] = children[place - 1];
+        }
+        promises[place] = promise;
+        children[place] = child;
+    }
     return count;
 }
 
@@ -245,7 +290,7 @@ enum status wide_bvh_pack(struct wide_bvh *out, const struct bvh *bvh, const str
     if (p.choices == NULL)
         return status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes", bvh->node_count);
     for (uint32_t i = bvh->node_count; i > 0; i--) // children stand behind their parents
-        choose(p.choices, bvh->nodes, i - 1);
+        choose(&p, i - 1);
 
     status = allocate(&p);
     if (status == STATUS_OK) {
