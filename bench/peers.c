@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <xmmintrin.h>
 
 #include "cli/bench_rays.h"
@@ -341,8 +342,19 @@ static void release(struct peers *p)
     free(p);
 }
 
+// OpenMP's threads would spin for a while after their work, on the cores that the other side's run
+// wants. Only the environment keeps them from it, from the start of the program.
+static void start_again_passive(char **argv)
+{
+    if (getenv("OMP_WAIT_POLICY") != NULL)
+        return;
+    setenv("OMP_WAIT_POLICY", "passive", 1);
+    execv("/proc/self/exe", argv);
+}
+
 int main(int argc, char **argv)
 {
+    start_again_passive(argv);
     struct peers *p = calloc(1, sizeof(*p));
     if (p == NULL)
         return 1;

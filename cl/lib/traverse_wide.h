@@ -17,6 +17,10 @@
 
 #define WIDE_ROWS 8 // float8 rows of a node
 
+#ifndef WIDE_PORTABLE
+#define WIDE_PORTABLE 0 // 1: without x86's instructions for masks, as on other CPUs
+#endif
+
 // Plain comparisons: fmin and fmax would carry NaNs.
 static inline float8 min8(const float8 a, const float8 b)
 {
@@ -31,34 +35,34 @@ static inline float8 max8(const float8 a, const float8 b)
 // Bit k is set where a[k] <= b[k].
 static inline uint wide_compare(const float8 a, const float8 b)
 {
-#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+#if !WIDE_PORTABLE && defined(__AVX512VL__) && defined(__AVX512DQ__)
     return __builtin_ia32_cmpps256_mask(a, b, 2, (uchar)0xff); // 2: less or equal
-#elif defined(__AVX__)
+#elif !WIDE_PORTABLE && defined(__AVX__)
     return (uint)__builtin_ia32_movmskps256(as_float8(a <= b));
 #else
     const int8 bits = (a <= b) & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
-    const int4 half = bits.lo | bits.hi;
-    const int2 quarter = half.lo | half.hi;
-    return (uint)(quarter.x | quarter.y);
+    const int4 four = bits.lo | bits.hi;
+    const int2 two = four.lo | four.hi;
+    return (uint)(two.x | two.y);
 #endif
 }
 
 // Bit k is set where lane k is true.
 static inline uint wide_bits(const int4 lanes)
 {
-#if defined(__SSE__)
+#if !WIDE_PORTABLE && defined(__SSE__)
     return (uint)__builtin_ia32_movmskps(as_float4(lanes));
 #else
     const int4 bits = lanes & (int4)(1, 2, 4, 8);
-    const int2 half = bits.lo | bits.hi;
-    return (uint)(half.x | half.y);
+    const int2 two = bits.lo | bits.hi;
+    return (uint)(two.x | two.y);
 #endif
 }
 
 // The lowest bit that is set; some is.
 static inline uint wide_lowest(const uint bits)
 {
-#if defined(__clang__)
+#if !WIDE_PORTABLE && defined(__clang__)
     return (uint)__builtin_ctz(bits);
 #else
     return 31u - clz(bits & (0u - bits));
@@ -81,7 +85,8 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
     for (uint i = first; i < end; i++) {
         __global const float4 *rows = scene->woop[i].rows;
 
-        // Where the ray meets the four planes.
+        // Where the ray meets the four planes. All rows are read, whether the first ones decide or
+        // not: three misses of the cache at once cost less than one after the other.
         const float4 org_w =
             MULADD(rows[0], (float4)org.x,
                    MULADD(rows[1], (float4)org.y, MULADD(rows[2], (float4)org.z, rows[3])));
@@ -89,8 +94,6 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
             MULADD(rows[0], (float4)dir.x, MULADD(rows[1], (float4)dir.y, rows[2] * dir.z));
         const float4 t = -org_w / dir_w;
         const int4 near = (t > tmin) & (t < hit->t);
-        if (wide_bits(near) == 0)
-            continue;
 
         // And whether that is within the triangles.
         const float4 x = MULADD(t, (float4)dir.x, (float4)org.x);

@@ -27,7 +27,7 @@
 #define WIDE_STACK_SIZE (7u * BVH_STACK_SIZE)
 
 // One inner node: the boxes of its children. Row r is rows[2 r], rows[2 r + 1]; in each row stands
-// one value of each child. Children that are likely to stop a ray at little cost come first.
+// one value of each child. A search for any hit takes children in this order.
 //
 //   rows 0, 1  lo.x, hi.x, m
 //   rows 2, 3  lo.y, hi.y

@@ -1,14 +1,12 @@
 #include "prep/bvh_wide.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "prep/array.h"
 #include "prep/box.h"
 #include "prep/bvh_pack.h"
-#include "prep/vec3.h"
 
 // Cost of a visit of a node and of a test of a block; 1 and 0.7 to 1.3 trace Sponza alike.
 #define NODE_COST  1.0f
@@ -23,7 +21,6 @@
 // What is known of a node of the build tree.
 struct choice {
     float cost[SLOTS];     // least cost of the subtree as at most 1 .. 7 children of one wide node
-    float surface;         // of the triangles in it, m2, as far as they fit its boxes
     uint32_t first, count; // its references
     bool leaf;             // as one child, it is a leaf
 };
@@ -58,19 +55,6 @@ static uint32_t count_blocks(uint32_t refs)
     return (refs + WIDE_BLOCK - 1) / WIDE_BLOCK;
 }
 
-// The surface of a triangle, m2, no more than fits a box across.
-static float clipped_surface(const struct packer *p, uint32_t triangle, float box_area)
-{
-    const struct triangle *tri = &p->geometry->triangles[triangle];
-    double a[3], b[3], c[3], normal[3];
-    vec3_position(a, &p->geometry->vertices[tri->v0]);
-    vec3_position(b, &p->geometry->vertices[tri->v1]);
-    vec3_position(c, &p->geometry->vertices[tri->v2]);
-    vec3_face(normal, a, b, c);
-    const float surface = (float)(0.5 * vec3_length(normal));
-    return surface < box_area ? surface : box_area;
-}
-
 // Finds the costs of one node from those of its children (Ylitie et al., equations 1 to 4).
 static void choose(struct packer *p, uint32_t index)
 {
@@ -80,8 +64,6 @@ static void choose(struct packer *p, uint32_t index)
     const float area = (float)box_half_area(node->lo, node->hi);
     if (node->count > 0) {
         *choice = (struct choice){.first = node->left, .count = node->count, .leaf = true};
-        for (uint32_t i = node->left; i < node->left + node->count; i++)
-            choice->surface += clipped_surface(p, p->refs[p->bvh->order[i]].triangle, area);
         for (uint32_t k = 0; k < SLOTS; k++)
             choice->cost[k] = area * BLOCK_COST * (float)count_blocks(node->count);
         return;
@@ -91,7 +73,6 @@ static void choose(struct packer *p, uint32_t index)
     uint32_t taken;
     choice->first = left->first;
     choice->count = left->count + right->count;
-    choice->surface = left->surface + right->surface;
     const float inner = area * NODE_COST + deal(&taken, left, right, WIDE_CHILDREN);
     const float leaf = choice->count <= LEAF_REFS
                            ? area * BLOCK_COST * (float)count_blocks(choice->count)
@@ -122,15 +103,13 @@ static void collect(uint32_t *children, uint32_t *count, const struct packer *p,
     collect(children, count, p, left + 1, slots - taken);
 }
 
-// How likely a ray that enters a subtree is stopped there, over what it costs to find out: a search
-// for any hit is shortest that goes by this. The chance is that of random lines through its box.
+// How likely a ray meets the box of a subtree, over what it costs to look into it: of the orders
+// tried (surface of the triangles, of the box, size, distance), the one that finds any hit soonest.
 static float promise_of(const struct packer *p, uint32_t index)
 {
-    const struct choice *choice = &p->choices[index];
     const float area = (float)box_half_area(p->bvh->nodes[index].lo, p->bvh->nodes[index].hi);
-    if (!(area > 0.0f && choice->cost[0] > 0.0f))
-        return 0.0f;
-    return (1.0f - expf(-choice->surface / area)) * area / choice->cost[0];
+    const float cost = p->choices[index].cost[0];
+    return cost > 0.0f ? area * area / cost : 0.0f;
 }
 
 // The subtrees that become the children of a wide node. Returns how many.
