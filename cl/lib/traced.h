@@ -13,13 +13,9 @@
 
 // A scene but for the BVH's nodes.
 struct traced {
-#if BVH_WIDE
-    __global const struct woop_block *woop; // of the leaves' triangles
-#else
-    __global const struct woop *woop;
-#endif
-    __global const uint *refs; // their numbers, BVH_REF_...
-    struct surface surface;    // asked where a reference is BVH_REF_ALPHA
+    __global const float4 *woop; // rows of the leaves' struct woop, or struct woop_block
+    __global const uint *refs;   // numbers of the triangles, BVH_REF_...
+    struct surface surface;      // asked where a reference is BVH_REF_ALPHA
 };
 
 // A component that can be divided by.

@@ -23,10 +23,10 @@
 // What every kernel that traces takes first; on the host's side, ARGS_TRACED in
 // pipeline/stages.h.
 #define TRACED_PARAMETERS                                                                          \
-    BVH_NODES nodes, __global const BVH_TRIANGLES *restrict woop,                                  \
-        __global const uint *restrict refs, __global const struct vertex *vertices,                \
-        __global const uint2 *colors, __global const struct triangle *triangles,                   \
-        __global const struct material *materials, __global const uint *texels
+    BVH_NODES nodes, __global const float4 *restrict woop, __global const uint *restrict refs,     \
+        __global const struct vertex *vertices, __global const uint2 *colors,                      \
+        __global const struct triangle *triangles, __global const struct material *materials,      \
+        __global const uint *texels
 
 // Makes these parameters, nodes apart, one thing: nodes may be an image, which no struct holds.
 #define TRACED_SCENE(name)                                                                         \

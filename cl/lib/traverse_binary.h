@@ -21,8 +21,6 @@
 #define BVH_NODE_ROW(nodes, row) (nodes)[row]
 #endif
 
-#define BVH_TRIANGLES struct woop
-
 #define TRAVERSE_DONE ((int)0x80000000) // below every entry of the stack
 
 // Finds what the ray hits between tmin and tmax (lib/traverse.h).
@@ -98,18 +96,18 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             const uint first = word >> BVH_LEAF_BITS;
             const uint end = first + (word & BVH_LEAF_MAX);
             for (uint i = first; i < end; i++) {
-                const float4 row_w = scene->woop[i].row_w;
+                const float4 row_w = scene->woop[3 * i + 0];
                 const float org_w = dot(row_w.xyz, org) + row_w.w;
                 const float dir_w = dot(row_w.xyz, dir);
                 const float t = -org_w / dir_w;
                 if (!(t > tmin && t < hit.t))
                     continue;
                 const float3 p = org + t * dir;
-                const float4 row_u = scene->woop[i].row_u;
+                const float4 row_u = scene->woop[3 * i + 1];
                 const float u = dot(row_u.xyz, p) + row_u.w;
                 if (!(u >= 0.0f && u <= 1.0f))
                     continue;
-                const float4 row_v = scene->woop[i].row_v;
+                const float4 row_v = scene->woop[3 * i + 2];
                 const float v = dot(row_v.xyz, p) + row_v.w;
                 if (!(v >= 0.0f && u + v <= 1.0f))
                     continue;

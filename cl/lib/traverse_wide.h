@@ -12,10 +12,10 @@
 
 #include "lib/traced.h"
 
-#define BVH_NODES     __global const float8 *restrict
-#define BVH_TRIANGLES struct woop_block
+#define BVH_NODES __global const float8 *restrict
 
-#define WIDE_ROWS 8 // float8 rows of a node
+#define WIDE_ROWS       8  // float8 rows of a node
+#define WIDE_BLOCK_ROWS 12 // float4 rows of a block
 
 #ifndef WIDE_PORTABLE
 #define WIDE_PORTABLE 0 // 1: without x86's instructions for masks, as on other CPUs
@@ -83,7 +83,7 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
     const uint first = (uint)~word >> WIDE_LEAF_BITS;
     const uint end = first + ((uint)~word & ((1u << WIDE_LEAF_BITS) - 1u));
     for (uint i = first; i < end; i++) {
-        __global const float4 *rows = scene->woop[i].rows;
+        __global const float4 *rows = scene->woop + (size_t)i * WIDE_BLOCK_ROWS;
 
         // Where the ray meets the four planes. All rows are read, whether the first ones decide or
         // not: three misses of the cache at once cost less than one after the other.
