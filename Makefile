@@ -36,9 +36,9 @@ CL       := $(wildcard cl/*.cl)
 TEST_CL  := $(wildcard tests/device/*.cl)
 HELP_OBJ := $(call object,$(HELP_SRC)) $(B)/gen/test_cl_sources.o
 HEADERS  := $(wildcard include/*/*.h src/*.h src/*/*.h src/*/*.hpp tests/*.h tests/*/*.h)
-FORMATTED := $(wildcard src/*.c src/*/*.c src/*/*.cpp tests/*.c tests/*/*.c cl/*.cl cl/*/*.h) $(TEST_CL) $(HEADERS)
+FORMATTED := $(wildcard bench/*.c src/*.c src/*/*.c src/*/*.cpp tests/*.c tests/*/*.c cl/*.cl cl/*/*.h) $(TEST_CL) $(HEADERS)
 
-.PHONY: all demo test test-device run-tests lint asan format install portable clean help setup FORCE
+.PHONY: all demo bench-peers test test-device run-tests lint asan format install portable clean help setup FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -66,6 +66,14 @@ setup:
 # ONLY=folder runs tests/folder alone, ONLY=folder/test_name one program.
 run-tests: all $(TESTS)
 	$(Q)LIGHTKILN=$(B)/lightkiln TIMEOUT=$(TIMEOUT) scripts/run_tests $(filter $(B)/tests/$(ONLY)%,$(TESTS))
+
+# SCENES="a.glb b.glb" traces those; BENCH='--width 512' hands options on.
+SCENES ?= scenes/cornell.gltf
+bench-peers: setup ## Traces the same rays with Embree 3 (Debian: libembree-dev) and prints the ratios
+	$(Q)echo '#include <embree3/rtcore.h>' | $(CC) -E -x c - > /dev/null 2>&1 || \
+	    { echo 'bench-peers: install Embree 3 (Debian: apt-get install libembree-dev)' >&2; exit 1; }
+	$(Q)$(MAKE) --no-print-directory $(parallel) $(B)/bench/peers
+	$(Q)for scene in $(SCENES); do $(B)/bench/peers embree "$$scene" $(BENCH) || exit 1; done
 
 # ---- compile and link
 
@@ -115,12 +123,15 @@ $(B)/$(SONAME): $(LIB_OBJ) src/exports.map
 $(B)/lightkiln: $(B)/src/main.o $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LINK) -o $@ $^ $(LIBS)
+$(B)/bench/peers: $(B)/bench/peers.o $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LINK) -o $@ $^ -lembree3 $(LIBS)
 $(B)/tests/%: $(B)/tests/%.o $(HELP_OBJ) $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LINK) -o $@ $^ -lcmocka $(LIBS)
 $(call object,$(TEST_SRC) $(HELP_SRC)): ALL_CFLAGS += -Itests
 
--include $(patsubst %.o,%.d,$(LIB_OBJ) $(CLI_OBJ) $(B)/src/main.o $(HELP_OBJ) $(call object,$(TEST_SRC)))
+-include $(patsubst %.o,%.d,$(LIB_OBJ) $(CLI_OBJ) $(B)/src/main.o $(B)/bench/peers.o $(HELP_OBJ) $(call object,$(TEST_SRC)))
 
 # ---- keep
 

@@ -15,23 +15,14 @@
 #define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
-    BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
-    __global const struct vertex *vertices, __global const uint2 *colors,
-    __global const struct triangle *triangles, __global const struct material *materials,
-    __global const uint *texels, __constant struct settings *settings, const struct batch batch,
+    TRACED_PARAMETERS, __constant struct settings *settings, const struct batch batch,
     const uint bounce, __global const struct light *restrict lights,
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict queue, __global const struct hit *restrict hits,
     __global const struct shade *restrict shades, __global struct path *restrict paths,
     __global struct counters *counters)
 {
-    struct surface surface;
-    surface.vertices = vertices;
-    surface.colors = colors;
-    surface.triangles = triangles;
-    surface.materials = materials;
-    surface.texels = texels;
-
+    TRACED_SCENE(scene);
     const uint ray_count = light_ray_count(settings);
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
@@ -59,8 +50,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
                 continue;
 
             // Draw a point on it, and weigh what comes from there.
-            const struct light_sample sampled = light_sample(lights, shapes, light, &surface, p,
-                                                             rng_unit(bits.y), rng_unit(bits.z));
+            const struct light_sample sampled = light_sample(lights, shapes, light, &scene.surface,
+                                                             p, rng_unit(bits.y), rng_unit(bits.z));
             if (max3(sampled.radiance) <= 0.0f)
                 continue;
             float density = 0.0f; // with which a bounce finds this direction
@@ -76,8 +67,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
             // Ask whether the way is free.
             traced++;
             sum += value / expected *
-                   traverse_light(nodes, woop, refs, &surface, p, sampled.dir,
-                                  sampled.distance * SHADOW_REACH);
+                   traverse_light(nodes, &scene, p, sampled.dir, sampled.distance * SHADOW_REACH);
         }
         paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;
     }

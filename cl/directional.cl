@@ -38,10 +38,7 @@ static inline float3 directional_draw(float3 *dir, const struct bsdf *b,
 #endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
-    BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
-    __global const struct vertex *vertices, __global const uint2 *colors,
-    __global const struct triangle *triangles, __global const struct material *materials,
-    __global const uint *texels, __constant struct settings *settings, const uint bounce,
+    TRACED_PARAMETERS, __constant struct settings *settings, const uint bounce,
     __global const struct directional_light *restrict lights, __global const uint *restrict queue,
     __global const struct hit *restrict hits, __global const struct shade *restrict shades,
     __global struct path *restrict paths, __global struct counters *counters
@@ -53,13 +50,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
 #endif
 )
 {
-    struct surface surface;
-    surface.vertices = vertices;
-    surface.colors = colors;
-    surface.triangles = triangles;
-    surface.materials = materials;
-    surface.texels = texels;
-
+    TRACED_SCENE(scene);
     const uint light_count = settings->directional_count;
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
@@ -82,7 +73,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
             if (max3(value) <= 0.0f)
                 continue;
             traced++;
-            sum += value * traverse_light(nodes, woop, refs, &surface, p, dir, FLT_MAX);
+            sum += value * traverse_light(nodes, &scene, p, dir, FLT_MAX);
         }
 #if ENV_MAP
         const struct path_place place = batch_place(batch, slot);
@@ -93,7 +84,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
                                               (shades[slot].flags & SHADE_NO_BOUNCE) != 0, bits);
         if (max3(value) > 0.0f) {
             traced++;
-            sum += value * traverse_light(nodes, woop, refs, &surface, p, dir, FLT_MAX);
+            sum += value * traverse_light(nodes, &scene, p, dir, FLT_MAX);
         }
 #endif
         paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;

@@ -6,17 +6,20 @@
 //
 // Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
 // NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials whether they let a ray by,
-// LAYERS also those that are thin and smooth.
+// LAYERS also those that are thin and smooth; ANY_HIT: some hit instead of the nearest.
 
 #include "lib/queue.h"
 #include "lib/traverse.h"
 #include "shared/path.h"
 
+#if ANY_HIT
+#define TRACE_ANY true
+#else
+#define TRACE_ANY false
+#endif
+
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
-    BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
-    __global const struct vertex *vertices, __global const uint2 *colors,
-    __global const struct triangle *triangles, __global const struct material *materials,
-    __global const uint *texels, __global const struct ray *restrict rays,
+    TRACED_PARAMETERS, __global const struct ray *restrict rays,
     __global const uint *restrict queue, __global struct hit *restrict hits,
     __global struct counters *counters, const uint bounce
 #if ALPHA && LAYERS
@@ -25,13 +28,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
 #endif
 )
 {
-    struct surface surface;
-    surface.vertices = vertices;
-    surface.colors = colors;
-    surface.triangles = triangles;
-    surface.materials = materials;
-    surface.texels = texels;
-
+    TRACED_SCENE(scene);
     const uint count = counters[bounce].active;
     QUEUE_LOCAL(run);
     for (uint i = queue_first(&counters[bounce].trace_head, run); queue_group(i) < count;
@@ -45,18 +42,18 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
         struct passage passage;
         passage_init(&passage);
         const struct hit hit =
-            traverse_through(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
-                             dir_tmax.w, false, &passage, PASSAGE_CHANCE);
+            traverse_through(nodes, &scene, org_tmin.xyz, dir_tmax.xyz, org_tmin.w, dir_tmax.w,
+                             TRACE_ANY, &passage, PASSAGE_CHANCE);
         hits[slot] = hit;
         if (passage.tinted) {
             // What was tested beyond the hit has no part in it.
-            traverse_through(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
-                             hit.t, false, &passage, PASSAGE_TINT);
+            traverse_through(nodes, &scene, org_tmin.xyz, dir_tmax.xyz, org_tmin.w, hit.t, false,
+                             &passage, PASSAGE_TINT);
             paths[slot].throughput_pdf.xyz *= passage.share;
         }
 #else
-        hits[slot] = traverse(nodes, woop, refs, &surface, org_tmin.xyz, dir_tmax.xyz, org_tmin.w,
-                              dir_tmax.w, false);
+        hits[slot] =
+            traverse(nodes, &scene, org_tmin.xyz, dir_tmax.xyz, org_tmin.w, dir_tmax.w, TRACE_ANY);
 #endif
     }
 }

@@ -16,13 +16,7 @@
 #include "scene/gltf_import.h"
 #include "settings.h"
 
-#define QUEUE_GPU                                                                                  \
-    (1u << 21) // paths: an H100 needs 2 M rays to be full (241 Mrays/s at 32 K, 2759 at 2 M)
-// Paths; what stages hand on stays in the last cache. Below 2^16, since PoCL compiles every kernel
-// once for grids smaller than that and once more for others, 0.8 s of a cold start in the box.
-#define QUEUE_CPU    (63u << 10)
-#define QUEUE_MIN    1024u // paths; below it launches cost more than they do
-#define MEMORY_SHARE 0.9   // of the device's memory that may be planned with
+#define QUEUE_MIN 1024u // paths; below it launches cost more than they do
 
 // ---- Scenes
 
@@ -72,7 +66,7 @@ static void describe_scene(struct lk_scene_info *out, const struct lk_scene *sce
     *out = (struct lk_scene_info){
         .file = scene->scene.file,
         .triangles = p->geometry.triangle_count,
-        .triangles_split = p->bvh.ref_count,
+        .triangles_split = p->reference_count,
         .instances = scene->scene.instance_count,
         .materials = scene->scene.material_count,
         .textures = scene->scene.texture_count,
@@ -113,20 +107,14 @@ static uint64_t queue_capacity(const struct lk_settings *settings, const struct 
     return capacity;
 }
 
-// At equal samples importance has a sixtieth to a three hundredth of the others' variance in rooms
-// of 1000 and 10000 lights and a quarter in Sibenik (5), for 1.2 to 1.6 times their time (H100).
-static void choose_sampler(struct lk_settings *settings)
-{
-    if (settings->light_sampler == LK_LIGHTS_AUTO)
-        settings->light_sampler = LK_LIGHTS_IMPORTANCE;
-}
-
 enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
                              const struct lk_settings *settings)
 {
     struct camera camera;
     struct lk_settings chosen = *settings;
-    choose_sampler(&chosen);
+    settings_choose_sampler(&chosen);
+    if (chosen.bvh == LK_BVH_AUTO)
+        chosen.bvh = LK_BVH_BINARY;
     enum status status = settings_check(settings);
     if (status == STATUS_OK)
         status = prepare_scene(scene, &chosen);
@@ -136,15 +124,15 @@ enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
     if (status != STATUS_OK)
         return (enum lk_status)status;
     const uint64_t pixels = (uint64_t)camera.width * camera.height;
-    const uint64_t capacity =
-        queue_capacity(settings, &camera, pixels < QUEUE_GPU ? pixels : QUEUE_GPU);
+    const uint64_t capacity = queue_capacity(
+        settings, &camera, pixels < SETTINGS_QUEUE_GPU ? pixels : SETTINGS_QUEUE_GPU);
     describe_scene(out, scene, &camera, capacity, settings->textures == LK_TEXTURES_BOUND);
     return LK_OK;
 }
 
 // ---- Devices
 
-static void describe_device(struct lk_device_info *out, const struct gpu_info *info)
+void engine_describe_device(struct lk_device_info *out, const struct gpu_info *info)
 {
     *out = (struct lk_device_info){
         .platform_index = info->platform_index,
@@ -168,24 +156,11 @@ enum lk_status lk_device_info(struct lk_device_info *out, size_t index)
     struct gpu_info info;
     const enum status status = gpu_describe(&info, index);
     if (status == STATUS_OK)
-        describe_device(out, &info);
+        engine_describe_device(out, &info);
     return (enum lk_status)status;
 }
 
 // ---- Rendering
-
-// Fills in what depends on the device.
-static void choose_variants(struct lk_settings *settings, const struct gpu_info *info)
-{
-    if (settings->trace == LK_TRACE_AUTO)
-        settings->trace = LK_TRACE_SIMPLE;
-    if (settings->textures == LK_TEXTURES_AUTO)
-        settings->textures = LK_TEXTURES_POOL;
-    if (settings->queue == 0)
-        settings->queue = info->is_cpu ? QUEUE_CPU : QUEUE_GPU;
-    if (settings->memory_limit == 0)
-        settings->memory_limit = (uint64_t)((double)info->global_memory * MEMORY_SHARE);
-}
 
 // Says what does not fit, naming the three largest users.
 static enum status fail_memory(const struct lk_memory *memory, uint64_t limit)
@@ -265,6 +240,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
     const struct upload_source source = prepared_source(scene);
     struct program_options options = {
         .persistent = settings->trace == LK_TRACE_PERSISTENT,
+        .bvh_wide = settings->bvh == LK_BVH_WIDE,
         .nodes_image = settings->nodes == LK_NODES_TEXTURE,
         .textures_bound = settings->textures == LK_TEXTURES_BOUND,
         .light_sampler = (int)settings->light_sampler,
@@ -344,25 +320,26 @@ static enum status begin(struct renderer *r, struct lk_render_info *info, struct
     struct lk_settings *settings = &info->settings;
     struct lk_progress progress = {.stage = "preparing", .remaining_s = -1.0};
     enum status status = settings_check(settings);
-    choose_sampler(settings);
+    settings_choose_sampler(settings);
     if (status == STATUS_OK)
         status = render_report(hook, &progress);
     if (status == STATUS_OK)
-        status = prepare_scene(scene, settings);
+        status = gpu_open(&r->gpu, settings->device, settings->profile);
+    if (status != STATUS_OK)
+        return status;
+    engine_describe_device(&info->device, &r->gpu.info);
+    settings_choose_variants(settings, &r->gpu.info);
+    status = prepare_scene(scene, settings);
     if (status == STATUS_OK)
         status = camera_build(&r->camera, &scene->scene, &scene->prepared.geometry,
                               settings->camera, settings->width, settings->height);
-    if (status == STATUS_OK)
-        status = gpu_open(&r->gpu, settings->device, settings->profile);
     if (status != STATUS_OK)
         return status;
 
     settings->width = r->camera.width;
     settings->height = r->camera.height;
-    describe_device(&info->device, &r->gpu.info);
-    choose_variants(settings, &r->gpu.info);
     info->time_s.import = scene->import_s;
-    info->time_s.prepare = scene->prepared.seconds + scene->surroundings.seconds;
+    info->time_s.prepare = prepared_seconds(scene);
     progress.stage = "building kernels";
     progress.elapsed_s = clock_seconds() - r->start_s;
     status = plan_memory(info, scene, r);

@@ -5,8 +5,10 @@
 #ifndef ENGINE_H
 #define ENGINE_H
 
+#include "device/gpu.h"
 #include "lightkiln/lightkiln.h"
 #include "prep/bvh_pack.h"
+#include "prep/bvh_wide.h"
 #include "prep/emitters.h"
 #include "prep/environment.h"
 #include "prep/flatten.h"
@@ -15,19 +17,32 @@
 #include "prep/textures.h"
 #include "scene/scene.h"
 
-/** What prep/ makes of a scene. All zero: not prepared. */
+/** What a BVH is made from, beside the geometry. All zero: none is made. */
+struct bvh_request {
+    float split_threshold;
+    uint32_t leaf_size;
+    enum lk_bvh layout;
+    enum lk_bvh_build build;
+};
+
+/** What prep/ makes of a scene, each part once for as long as its settings stay. All zero: not
+ * prepared. */
 struct prepared {
     struct geometry geometry;
-    struct packed_bvh bvh;
     struct emitters emitters;
-    struct light_tree light_tree; // empty unless the sampler is tree
-    struct light_bvh light_bvh;   // empty unless it is importance
     struct material_set materials;
-    float split_threshold; // settings it was made with
-    uint32_t leaf_size;
-    enum lk_light_sampler light_sampler;
-    bool ready;
-    double seconds; // it took
+    bool ready; // those above
+
+    struct packed_bvh bvh; // empty if the layout is wide,
+    struct wide_bvh wide;  // else this is
+    uint32_t reference_count;
+    struct bvh_request bvh_request;
+
+    struct light_tree light_tree;        // empty unless the sampler is tree
+    struct light_bvh light_bvh;          // empty unless it is importance
+    enum lk_light_sampler light_sampler; // auto: none is made
+
+    double geometry_s, bvh_s, lights_s; // they took
 };
 
 /** The environment of the last settings. All zero: none. */
@@ -51,5 +66,8 @@ struct lk_image {
     struct lk_render_info info; // its strings are owned
     double write_s;             // spent by lk_image_write() so far
 };
+
+/** Tells of a device in public words. */
+void engine_describe_device(struct lk_device_info *out, const struct gpu_info *info);
 
 #endif

@@ -7,38 +7,102 @@
 #include "core/log.h"
 #include "prep/bvh.h"
 #include "prep/presplit.h"
+#include "prep/sbvh.h"
 
-static enum status prepare_bvh(struct prepared *out, const struct scene *scene)
+enum status prepare_geometry(struct lk_scene *scene)
 {
-    enum status status = STATUS_OK;
+    struct prepared *p = &scene->prepared;
+    if (p->ready)
+        return STATUS_OK;
+    const double start = clock_seconds();
+    enum status status = geometry_build(&p->geometry, &scene->scene);
+    if (status == STATUS_OK)
+        status = emitters_build(&p->emitters, &scene->scene, &p->geometry);
+    if (status == STATUS_OK)
+        status = material_set_build(&p->materials, &scene->scene);
+    if (status != STATUS_OK) {
+        prepared_free(p);
+        return status;
+    }
+    p->ready = true;
+    p->geometry_s = clock_seconds() - start;
+    return STATUS_OK;
+}
+
+// Builds a tree and packs it into the layout asked for; the other is left empty.
+static enum status build_bvh(struct prepared *out, const struct geometry *geometry,
+                             const struct scene_material *materials)
+{
+    const struct bvh_request *request = &out->bvh_request;
     struct tri_ref *refs = NULL;
     uint32_t ref_count = 0;
     struct bvh bvh = {0};
-
-    status = presplit(&refs, &ref_count, &out->geometry, out->split_threshold);
-    if (status != STATUS_OK)
-        goto cleanup;
-    status = bvh_build(&bvh, refs, ref_count, out->leaf_size);
-    if (status != STATUS_OK)
-        goto cleanup;
-    status = bvh_pack(&out->bvh, &bvh, refs, &out->geometry, scene->materials);
-
-cleanup:
+    enum status status = presplit(&refs, &ref_count, geometry, request->split_threshold);
+    if (status == STATUS_OK && request->build == LK_BVH_BUILD_THESIS)
+        status = bvh_build(&bvh, refs, ref_count, request->leaf_size);
+    else if (status == STATUS_OK)
+        status = sbvh_build(&bvh, refs, ref_count, geometry, request->leaf_size);
+    if (status == STATUS_OK && request->layout == LK_BVH_WIDE)
+        status = wide_bvh_pack(&out->wide, &bvh, refs, geometry, materials);
+    else if (status == STATUS_OK)
+        status = bvh_pack(&out->bvh, &bvh, refs, geometry, materials);
+    out->reference_count = bvh.ref_count;
     bvh_free(&bvh);
     free(refs);
     return status;
 }
 
-// Builds the hierarchy over lights that the sampler draws from.
-static enum status prepare_lights(struct prepared *out)
+static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
+                               const struct lk_settings *settings)
 {
-    const struct emitters *emitters = &out->emitters;
-    if (out->light_sampler == LK_LIGHTS_TREE)
-        return light_tree_build(&out->light_tree, emitters->lights, emitters->shapes,
-                                emitters->power, emitters->light_count);
-    if (out->light_sampler == LK_LIGHTS_IMPORTANCE)
-        return light_bvh_build(&out->light_bvh, emitters->lights, emitters->shapes, emitters->power,
-                               emitters->light_count);
+    struct prepared made = {.bvh_request = {
+                                .split_threshold = settings->split_threshold,
+                                .leaf_size = settings->leaf_size,
+                                .layout = settings->bvh,
+                                .build = settings->bvh_build,
+                            }};
+    if (memcmp(&made.bvh_request, &p->bvh_request, sizeof(made.bvh_request)) == 0)
+        return STATUS_OK;
+    const double start = clock_seconds();
+    const enum status status = build_bvh(&made, &p->geometry, scene->materials);
+    if (status != STATUS_OK)
+        return status;
+    wide_bvh_free(&p->wide);
+    packed_bvh_free(&p->bvh);
+    p->bvh = made.bvh;
+    p->wide = made.wide;
+    p->reference_count = made.reference_count;
+    p->bvh_request = made.bvh_request;
+    p->bvh_s = clock_seconds() - start;
+    log_message(LOG_INFO, "built a BVH of %u triangles, %u references in %.2f s",
+                p->geometry.triangle_count, p->reference_count, p->bvh_s);
+    return STATUS_OK;
+}
+
+// Builds the hierarchy over lights that the sampler draws from.
+static enum status prepare_lights(struct prepared *p, enum lk_light_sampler sampler)
+{
+    const struct emitters *emitters = &p->emitters;
+    if (p->light_sampler == sampler)
+        return STATUS_OK;
+    const double start = clock_seconds();
+    struct light_tree tree = {0};
+    struct light_bvh bvh = {0};
+    enum status status = STATUS_OK;
+    if (sampler == LK_LIGHTS_TREE)
+        status = light_tree_build(&tree, emitters->lights, emitters->shapes, emitters->power,
+                                  emitters->light_count);
+    if (sampler == LK_LIGHTS_IMPORTANCE)
+        status = light_bvh_build(&bvh, emitters->lights, emitters->shapes, emitters->power,
+                                 emitters->light_count);
+    if (status != STATUS_OK)
+        return status;
+    light_bvh_free(&p->light_bvh);
+    light_tree_free(&p->light_tree);
+    p->light_tree = tree;
+    p->light_bvh = bvh;
+    p->light_sampler = sampler;
+    p->lights_s = clock_seconds() - start;
     return STATUS_OK;
 }
 
@@ -87,39 +151,15 @@ void surroundings_free(struct surroundings *surroundings)
 
 enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings)
 {
-    struct prepared *old = &scene->prepared;
-    const enum status surrounded = prepare_surroundings(&scene->surroundings, settings);
-    if (surrounded != STATUS_OK)
-        return surrounded;
-    if (old->ready && old->split_threshold == settings->split_threshold &&
-        old->leaf_size == settings->leaf_size && old->light_sampler == settings->light_sampler)
-        return STATUS_OK;
-    const double start = clock_seconds();
-    struct prepared p = {
-        .split_threshold = settings->split_threshold,
-        .leaf_size = settings->leaf_size,
-        .light_sampler = settings->light_sampler,
-    };
-    enum status status = geometry_build(&p.geometry, &scene->scene);
+    struct prepared *p = &scene->prepared;
+    enum status status = prepare_surroundings(&scene->surroundings, settings);
     if (status == STATUS_OK)
-        status = prepare_bvh(&p, &scene->scene);
+        status = prepare_geometry(scene);
     if (status == STATUS_OK)
-        status = emitters_build(&p.emitters, &scene->scene, &p.geometry);
+        status = prepare_bvh(p, &scene->scene, settings);
     if (status == STATUS_OK)
-        status = prepare_lights(&p);
-    if (status == STATUS_OK)
-        status = material_set_build(&p.materials, &scene->scene);
-    if (status != STATUS_OK) {
-        prepared_free(&p);
-        return status;
-    }
-    p.ready = true;
-    p.seconds = clock_seconds() - start;
-    log_message(LOG_INFO, "prepared %u triangles, %u references, %u lights in %.2f s",
-                p.geometry.triangle_count, p.bvh.ref_count, p.emitters.light_count, p.seconds);
-    prepared_free(old);
-    *old = p;
-    return STATUS_OK;
+        status = prepare_lights(p, settings->light_sampler);
+    return status;
 }
 
 void prepared_free(struct prepared *prepared)
@@ -128,9 +168,16 @@ void prepared_free(struct prepared *prepared)
     light_bvh_free(&prepared->light_bvh);
     light_tree_free(&prepared->light_tree);
     emitters_free(&prepared->emitters);
+    wide_bvh_free(&prepared->wide);
     packed_bvh_free(&prepared->bvh);
     geometry_free(&prepared->geometry);
     *prepared = (struct prepared){0};
+}
+
+double prepared_seconds(const struct lk_scene *scene)
+{
+    const struct prepared *p = &scene->prepared;
+    return p->geometry_s + p->bvh_s + p->lights_s + scene->surroundings.seconds;
 }
 
 struct upload_source prepared_source(const struct lk_scene *scene)
@@ -139,6 +186,7 @@ struct upload_source prepared_source(const struct lk_scene *scene)
     const struct upload_source source = {
         .geometry = &prepared->geometry,
         .bvh = &prepared->bvh,
+        .wide = &prepared->wide,
         .emitters = &prepared->emitters,
         .environment = &scene->surroundings.environment,
         .light_tree = &prepared->light_tree,

@@ -10,17 +10,23 @@
 #include "engine.h"
 
 /**
- * Prepares a scene and its surroundings for these settings, unless they already are. Fails as the
- * modules of prep/ do.
+ * Prepares a scene and its surroundings for these settings: what has not been done for them yet.
+ * Fails as the modules of prep/ do.
  *
- * @param settings  split_threshold, leaf_size, light_sampler (not auto) and what makes the
- *                  environment are looked at.
+ * @param settings  split_threshold, leaf_size, bvh (not auto), bvh_build, light_sampler (not
+ *                  auto) and what makes the environment are looked at.
  */
 enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings);
+
+/** Prepares only what depends on no setting: triangles, lights, materials. */
+enum status prepare_geometry(struct lk_scene *scene);
 
 /** Release what was prepared. Safe on unprepared ones. */
 void prepared_free(struct prepared *prepared);
 void surroundings_free(struct surroundings *surroundings);
+
+/** Seconds that it took to prepare what there is. */
+double prepared_seconds(const struct lk_scene *scene);
 
 /** What upload() is to take. */
 struct upload_source prepared_source(const struct lk_scene *scene);

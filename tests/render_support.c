@@ -24,6 +24,12 @@ void skip_without_device(void)
     skip();
 }
 
+static bool is_set(const char *variable, const char *value)
+{
+    const char *set = getenv(variable);
+    return set != NULL && strcmp(set, value) == 0;
+}
+
 struct lk_settings test_settings(uint32_t width, uint32_t height, uint32_t spp)
 {
     struct lk_settings settings;
@@ -32,11 +38,16 @@ struct lk_settings test_settings(uint32_t width, uint32_t height, uint32_t spp)
     settings.height = height;
     settings.spp = spp;
     settings.device = getenv("LIGHTKILN_TEST_DEVICE");
-    const char *trace = getenv("LIGHTKILN_TEST_TRACE");
-    if (trace != NULL && strcmp(trace, "simple") == 0)
+    if (is_set("LIGHTKILN_TEST_TRACE", "simple"))
         settings.trace = LK_TRACE_SIMPLE;
-    if (trace != NULL && strcmp(trace, "persistent") == 0)
+    if (is_set("LIGHTKILN_TEST_TRACE", "persistent"))
         settings.trace = LK_TRACE_PERSISTENT;
+    if (is_set("LIGHTKILN_TEST_BVH", "binary"))
+        settings.bvh = LK_BVH_BINARY;
+    if (is_set("LIGHTKILN_TEST_BVH", "wide"))
+        settings.bvh = LK_BVH_WIDE;
+    if (is_set("LIGHTKILN_TEST_BVH_BUILD", "thesis"))
+        settings.bvh_build = LK_BVH_BUILD_THESIS;
     return settings;
 }
 

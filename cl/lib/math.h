@@ -10,8 +10,9 @@
 #define PI     3.14159265358979f
 #define INV_PI 0.318309886183791f
 
-// The multiply-add that is fast here; both round less than two operations.
-#ifdef FP_FAST_FMAF
+// The multiply-add that is fast here; both round less than two operations. PoCL's mad() is two, and
+// its fma() one where the CPU has it, though it does not say so.
+#if defined(FP_FAST_FMAF) || defined(__FMA__)
 #define MULADD(a, b, c) fma(a, b, c)
 #else
 #define MULADD(a, b, c) mad(a, b, c)

@@ -1,168 +1,55 @@
 /**
  * @file
- * One ray through the binary BVH: closest hit and any hit from one body.
+ * One ray through the scene, by whichever BVH kernels are built for: BVH_WIDE takes the 8-wide one
+ * (lib/traverse_wide.h), else it is the binary one (lib/traverse_binary.h). Both define
  *
- * Source: T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009: the
- * while-while loop, both siblings tested together, the nearer first; Woop's test at the leaves.
- * Differs from it: the stack lies in private memory, and a triangle whose material lets some light
- * by is asked before it counts as a hit (lib/passage.h).
+ *     struct hit traverse_through(nodes, scene, org, dir, tmin, tmax, any_hit, passage, mode)
+ *
+ *   any_hit  constant: true: some hit, as soon as there is one; false: the nearest
+ *   passage  what the mode, a constant PASSAGE_..., asks of surfaces that let light by; they are
+ *            asked only where a reference is BVH_REF_ALPHA
  */
 #ifndef LIB_TRAVERSE_H
 #define LIB_TRAVERSE_H
 
-#include "lib/passage.h"
-#include "shared/bvh.h"
-#include "shared/ray.h"
+#include "lib/traced.h"
 
-#if NODES_IMAGE
-#define BVH_NODES                __read_only image1d_buffer_t
-#define BVH_NODE_ROW(nodes, row) read_imagef(nodes, row)
+#if BVH_WIDE
+#include "lib/traverse_wide.h"
 #else
-#define BVH_NODES                __global const float4 *restrict
-#define BVH_NODE_ROW(nodes, row) (nodes)[row]
+#include "lib/traverse_binary.h"
 #endif
 
-#define TRAVERSE_DONE ((int)0x80000000) // below every entry of the stack
+// What every kernel that traces takes first; on the host's side, ARGS_TRACED in
+// pipeline/stages.h.
+#define TRACED_PARAMETERS                                                                          \
+    BVH_NODES nodes, __global const float4 *restrict woop, __global const uint *restrict refs,     \
+        __global const struct vertex *vertices, __global const uint2 *colors,                      \
+        __global const struct triangle *triangles, __global const struct material *materials,      \
+        __global const uint *texels
 
-// A component that can be divided by.
-static inline float traverse_safe(const float x)
-{
-    return fabs(x) < 1e-20f ? (x < 0.0f ? -1e-20f : 1e-20f) : x;
-}
-
-// Finds what the ray hits between tmin and tmax.
-//
-//   any_hit  constant: true: some hit, as soon as there is one; false: the nearest
-//   surface  for alpha; read only where a reference is BVH_REF_ALPHA, as is
-//   passage  what the mode, a constant PASSAGE_..., asks of such surfaces
-static inline struct hit traverse_through(
-    BVH_NODES nodes, __global const struct woop *restrict woop, __global const uint *restrict refs,
-    const struct surface *surface, const float3 org, const float3 dir, const float tmin,
-    const float tmax, const bool any_hit, struct passage *passage, const int mode)
-{
-    struct hit hit; // the best so far
-    hit.t = tmax;   // shrinks with every hit
-    hit.u = 0.0f;
-    hit.v = 0.0f;
-    hit.triangle = HIT_NONE;
-
-    int stack[BVH_STACK_SIZE]; // child words yet to visit
-    stack[0] = TRAVERSE_DONE;
-    int top = 0;  // its last entry
-    int node = 0; // current child word
-
-    const float3 inverse = 1.0f / (float3)(traverse_safe(dir.x), traverse_safe(dir.y),
-                                           traverse_safe(dir.z)); // slab test: t = plane * inverse
-    const float3 shift = -org * inverse;                          //            + shift
-
-    while (node != TRAVERSE_DONE) {
-        // Go down until there is a leaf.
-        while (node >= 0) {
-            const float4 row0 = BVH_NODE_ROW(nodes, 4 * node + 0);
-            const float4 row1 = BVH_NODE_ROW(nodes, 4 * node + 1);
-            const float4 row2 = BVH_NODE_ROW(nodes, 4 * node + 2);
-            const float4 row3 = BVH_NODE_ROW(nodes, 4 * node + 3);
-
-            // Intersect the ray with both children's slabs.
-            const float x00 = MULADD(row0.x, inverse.x, shift.x);
-            const float x01 = MULADD(row0.y, inverse.x, shift.x);
-            const float y00 = MULADD(row0.z, inverse.y, shift.y);
-            const float y01 = MULADD(row0.w, inverse.y, shift.y);
-            const float z00 = MULADD(row2.x, inverse.z, shift.z);
-            const float z01 = MULADD(row2.y, inverse.z, shift.z);
-            const float x10 = MULADD(row1.x, inverse.x, shift.x);
-            const float x11 = MULADD(row1.y, inverse.x, shift.x);
-            const float y10 = MULADD(row1.z, inverse.y, shift.y);
-            const float y11 = MULADD(row1.w, inverse.y, shift.y);
-            const float z10 = MULADD(row2.z, inverse.z, shift.z);
-            const float z11 = MULADD(row2.w, inverse.z, shift.z);
-            const float enter0 =
-                max2(max2(min2(x00, x01), min2(y00, y01)), max2(min2(z00, z01), tmin));
-            const float leave0 =
-                min2(min2(max2(x00, x01), max2(y00, y01)), min2(max2(z00, z01), hit.t));
-            const float enter1 =
-                max2(max2(min2(x10, x11), min2(y10, y11)), max2(min2(z10, z11), tmin));
-            const float leave1 =
-                min2(min2(max2(x10, x11), max2(y10, y11)), min2(max2(z10, z11), hit.t));
-            const bool meets0 = enter0 <= leave0;
-            const bool meets1 = enter1 <= leave1;
-            const int child0 = as_int(row3.x);
-            const int child1 = as_int(row3.y);
-
-            // Take the nearer, keep the farther.
-            if (meets0 && meets1) {
-                const bool swap = enter1 < enter0;
-                node = swap ? child1 : child0;
-                stack[++top] = swap ? child0 : child1;
-            } else if (meets0 || meets1) {
-                node = meets0 ? child0 : child1;
-            } else {
-                node = stack[top--];
-            }
-        }
-
-        // Test the leaf's triangles, and those of leaves right below it on the stack.
-        while (node < 0 && node != TRAVERSE_DONE) {
-            const uint word = (uint)~node;
-            const uint first = word >> BVH_LEAF_BITS;
-            const uint end = first + (word & BVH_LEAF_MAX);
-            for (uint i = first; i < end; i++) {
-                const float4 row_w = woop[i].row_w;
-                const float org_w = dot(row_w.xyz, org) + row_w.w;
-                const float dir_w = dot(row_w.xyz, dir);
-                const float t = -org_w / dir_w;
-                if (!(t > tmin && t < hit.t))
-                    continue;
-                const float3 p = org + t * dir;
-                const float4 row_u = woop[i].row_u;
-                const float u = dot(row_u.xyz, p) + row_u.w;
-                if (!(u >= 0.0f && u <= 1.0f))
-                    continue;
-                const float4 row_v = woop[i].row_v;
-                const float v = dot(row_v.xyz, p) + row_v.w;
-                if (!(v >= 0.0f && u + v <= 1.0f))
-                    continue;
-                const uint ref = refs[i];
-#if ALPHA
-                if ((ref & BVH_REF_ALPHA) &&
-                    passage_ask(passage, mode, surface, ref & BVH_REF_TRIANGLE, u, v, org, dir))
-                    continue;
-#endif
-                hit.t = t;
-                hit.u = u;
-                hit.v = v;
-                hit.triangle = ref & BVH_REF_TRIANGLE;
-                if (any_hit)
-                    return hit;
-            }
-            node = stack[top--];
-        }
-    }
-    return hit;
-}
+// Makes these parameters, nodes apart, one thing: nodes may be an image, which no struct holds.
+#define TRACED_SCENE(name)                                                                         \
+    const struct traced name = {woop, refs, {vertices, colors, triangles, materials, texels}}
 
 // As traverse_through(), by chance.
-static inline struct hit traverse(BVH_NODES nodes, __global const struct woop *restrict woop,
-                                  __global const uint *restrict refs, const struct surface *surface,
-                                  const float3 org, const float3 dir, const float tmin,
-                                  const float tmax, const bool any_hit)
+static inline struct hit traverse(BVH_NODES nodes, const struct traced *scene, const float3 org,
+                                  const float3 dir, const float tmin, const float tmax,
+                                  const bool any_hit)
 {
     struct passage passage;
     passage_init(&passage);
-    return traverse_through(nodes, woop, refs, surface, org, dir, tmin, tmax, any_hit, &passage,
-                            PASSAGE_CHANCE);
+    return traverse_through(nodes, scene, org, dir, tmin, tmax, any_hit, &passage, PASSAGE_CHANCE);
 }
 
 // The share of light that comes from up to tmax along the ray, for each colour.
-static inline float3 traverse_light(BVH_NODES nodes, __global const struct woop *restrict woop,
-                                    __global const uint *restrict refs,
-                                    const struct surface *surface, const float3 org,
+static inline float3 traverse_light(BVH_NODES nodes, const struct traced *scene, const float3 org,
                                     const float3 dir, const float tmax)
 {
     struct passage passage;
     passage_init(&passage);
-    const struct hit blocker = traverse_through(nodes, woop, refs, surface, org, dir, 0.0f, tmax,
-                                                true, &passage, PASSAGE_SHARE);
+    const struct hit blocker =
+        traverse_through(nodes, scene, org, dir, 0.0f, tmax, true, &passage, PASSAGE_SHARE);
     return blocker.triangle == HIT_NONE ? passage.share : (float3)(0.0f);
 }
 

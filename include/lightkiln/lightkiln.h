@@ -119,7 +119,7 @@ struct lk_settings;
 /**
  * Tells what a render of this scene would hold, without rendering or touching any device. Does the
  * preparation if it has not been done for these settings. The ray queue is taken as large as the
- * image or 2^21 paths, whichever is less.
+ * image or 2^21 paths, whichever is less, and the BVH as binary unless the settings say wide.
  */
 LK_API enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
                                     const struct lk_settings *settings);
@@ -181,6 +181,17 @@ enum lk_trace {
     LK_TRACE_PERSISTENT // work fetched from a queue (Aila & Laine 2009)
 };
 
+enum lk_bvh {
+    LK_BVH_AUTO,   // by the device
+    LK_BVH_BINARY, // the thesis's
+    LK_BVH_WIDE    // 8 children a node, triangles by four: for CPUs
+};
+
+enum lk_bvh_build {
+    LK_BVH_BUILD_SBVH,  // may split triangles (Stich et al. 2009)
+    LK_BVH_BUILD_THESIS // thesis section 3.1
+};
+
 enum lk_textures {
     LK_TEXTURES_AUTO,
     LK_TEXTURES_BOUND, // rays sorted by material, one launch each with its images bound (thesis
@@ -190,7 +201,7 @@ enum lk_textures {
 
 enum lk_nodes {
     LK_NODES_BUFFER,
-    LK_NODES_TEXTURE // BVH nodes through a 1D texture (thesis section 3.2)
+    LK_NODES_TEXTURE // binary BVH's nodes through a 1D texture (thesis section 3.2)
 };
 
 enum lk_tonemap {
@@ -222,10 +233,13 @@ struct lk_settings {
     float sky_turbidity;    // haze of that sky, 2 .. 10; default 3
     const char *device;     // "cpu", "gpu", "P:D", or part of a name; NULL: the best
     enum lk_trace trace;
+    enum lk_bvh bvh;
+    enum lk_bvh_build bvh_build;
     enum lk_textures textures;
     enum lk_nodes nodes;
     float split_threshold; // largest box surface of a reference, m2; 0: no splitting
-    uint32_t leaf_size;    // a node with fewer triangles becomes a leaf, 2 .. 32; default 8
+    uint32_t leaf_size;    // no leaf has so many triangles, 2 .. 32; by the thesis's builder every
+                           // node with fewer is one; default 8
     uint32_t seed;
     uint32_t queue;        // paths in flight; 0: by the device
     uint64_t memory_limit; // bytes on the device; 0: what the device has
@@ -330,6 +344,96 @@ LK_API void lk_image_free(struct lk_image *image);
 
 /** Writes the JSON report of a rendered image. @retval LK_WRITE, LK_USAGE (not a rendered image) */
 LK_API enum lk_status lk_report_write(const struct lk_image *image, const char *path);
+
+// ---- Rays
+// --------------------------------------------------------------------------------------------------------
+
+/** A ray of the caller's, world space. */
+struct lk_ray {
+    float org[3]; // m
+    float tmin;   // nearest hit accepted, m
+    float dir[3]; // unit vector
+    float tmax;   // farthest hit accepted, m
+};
+
+#define LK_HIT_NONE 0xffffffffu
+
+struct lk_hit {
+    float t;           // distance, m
+    float u, v;        // weights of the triangle's second and third corner
+    uint32_t triangle; // or LK_HIT_NONE
+};
+
+/** World-space triangles. Borrowed from the scene. */
+struct lk_geometry {
+    const float *positions;  // xyz of vertex i at positions + i * position_stride, m
+    const uint32_t *corners; // the three vertices of triangle i at corners + i * corner_stride
+    size_t position_stride, corner_stride; // in elements of these arrays
+    uint64_t vertex_count, triangle_count;
+};
+
+/** Flattens the scene's instances, unless that has been done. @retval LK_NO_MEMORY, LK_FORMAT,
+ * LK_LIMIT */
+LK_API enum lk_status lk_scene_geometry(struct lk_geometry *out, struct lk_scene *scene);
+
+/**
+ * Tells where a light is.
+ *
+ * @param[out] place  xyz and 1: position, m, of a surface its middle; xyz and 0: unit direction
+ * towards a light that is far away.
+ * @return False if `index` is past the last light, or lk_scene_geometry() was not called yet.
+ */
+LK_API bool lk_scene_light(float place[4], const struct lk_scene *scene, size_t index);
+
+/** A scene's triangles on a device, to trace rays of one's own. All of them are solid, whatever
+ * their materials say. Opaque. */
+struct lk_tracer;
+
+struct lk_tracer_info {
+    struct lk_device_info device;
+    struct lk_settings settings; // with every default that matters here filled in; borrowed strings
+    uint32_t width, height;      // of the camera's image; width * height rays fit
+    uint64_t references;         // to triangles that the builder made
+    uint64_t bvh_size;           // bytes on the device
+    double build_s;              // building and packing the BVH took
+};
+
+/**
+ * Prepares the triangles, opens a device and builds the kernels.
+ *
+ * @param settings  Device, camera, width, height, seed, and all that concerns BVH and traversal are
+ * looked at. The strings must outlive the tracer.
+ * @retval as lk_render()
+ */
+LK_API enum lk_status lk_tracer_create(struct lk_tracer **out, struct lk_scene *scene,
+                                       const struct lk_settings *settings);
+
+LK_API void lk_tracer_free(struct lk_tracer *tracer);
+
+LK_API const struct lk_tracer_info *lk_tracer_info(const struct lk_tracer *tracer);
+
+/** Makes the camera's rays, one a pixel in the order of the ray queue, as a render's first sample
+ * has them. @param[out] rays [width * height] */
+LK_API enum lk_status lk_tracer_camera_rays(struct lk_tracer *tracer, struct lk_ray *rays);
+
+/** Copies rays to the device: [count], at most width * height. */
+LK_API enum lk_status lk_tracer_set_rays(struct lk_tracer *tracer, const struct lk_ray *rays,
+                                         uint32_t count);
+
+#define LK_LAUNCHES_MAX 64
+
+/**
+ * Traces the rays and waits.
+ *
+ * @param[out] seconds  One launch took, on average. NULL: not asked for.
+ * @param any_hit       Look for some hit instead of the nearest.
+ * @param launches      Times to do it, back to back, 1 .. LK_LAUNCHES_MAX.
+ */
+LK_API enum lk_status lk_tracer_run(struct lk_tracer *tracer, double *seconds, bool any_hit,
+                                    uint32_t launches);
+
+/** Copies the hits of the last run: [count of the rays set]. */
+LK_API enum lk_status lk_tracer_hits(struct lk_tracer *tracer, struct lk_hit *hits);
 
 // ---- Comparison
 // -------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ static const struct command_row commands[] = {
     {COMMAND_COMPARE, "compare", "IMAGE REFERENCE [OPTION...]", 2, command_compare},
     {COMMAND_INFO, "info", "SCENE [OPTION...]", 1, command_info},
     {COMMAND_DEVICES, "devices", "[OPTION...]", 0, command_devices},
-    {COMMAND_BENCH, "bench", "lights SCENE [OPTION...]", 2, command_bench},
+    {COMMAND_BENCH, "bench", "lights|trace SCENE [OPTION...]", 2, command_bench},
 };
 
 #define COMMAND_COUNT (sizeof(commands) / sizeof(commands[0]))

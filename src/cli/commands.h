@@ -22,7 +22,7 @@ enum status command_info(const struct options *options);
 /** Prints the OpenCL devices. */
 enum status command_devices(const struct options *options);
 
-/** Measures. The first operand says what: "lights". */
+/** Measures. The first operand says what: "lights", "trace". */
 enum status command_bench(const struct options *options);
 
 /** Finds a command by its name; 0 if there is none. */

@@ -65,18 +65,21 @@ const struct option option_table[] = {
 
     HEADING(BOTH, "Device and kernels"),
     {"device", 0, BOTH, "WHICH", "cpu, gpu, P:D, or part of a name", "the best", TEXT(settings.device)},
-    {"trace", 0, RENDER, NULL, "traversal: a ray per item, or a work queue", NULL, CHOICE(settings.trace, choices_trace)},
+    {"trace", 0, BOTH, NULL, "traversal: a ray per item, or a work queue", NULL, CHOICE(settings.trace, choices_trace)},
+    {"bvh", 0, BOTH, NULL, "layout of the BVH; wide is for CPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
+    {"bvh-build", 0, BOTH, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},
     {"textures", 0, RENDER, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
-    {"nodes", 0, RENDER, NULL, "where kernels read the BVH's nodes from", NULL, CHOICE(settings.nodes, choices_nodes)},
+    {"nodes", 0, RENDER, NULL, "where kernels read the binary BVH's nodes from", NULL, CHOICE(settings.nodes, choices_nodes)},
     {"split-threshold", 0, BOTH, "A", "m2; larger boxes of triangles are split early; 0: off", NULL, FLOAT(settings.split_threshold, 0, 1e30)},
-    {"leaf-size", 0, BOTH, "N", "nodes with fewer triangles become leaves", NULL, UINT(settings.leaf_size, 2, 32)},
+    {"leaf-size", 0, BOTH, "N", "no leaf has so many triangles", NULL, UINT(settings.leaf_size, 2, 32)},
     {"queue", 0, RENDER, "N", "paths in flight", "by the device", UINT(settings.queue, 1, 1 << 30)},
     {"memory-limit", 0, BOTH, "MB", "most memory to take on the device", "all it has", MEGABYTES(settings.memory_limit)},
     {"no-cache", 0, BOTH, NULL, "build the kernels from source", NULL, FLAG(settings.no_cache)},
 
-    HEADING(BENCH, "Reference"),
+    HEADING(BENCH, "Reference (lights) and runs (trace)"),
     {"reference", 0, BENCH, "FILE", "image of the same scene, camera, size and depth", "rendered", TEXT(reference)},
     {"reference-time", 0, BENCH, "S", "seconds to render it, without --reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
+    {"runs", 0, BENCH, "N", "measured runs of each class of rays", NULL, UINT(runs, 1, 1000)},
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},
@@ -100,7 +103,7 @@ _Static_assert(sizeof(enum lk_trace) == sizeof(int), "choices are stored as int"
 
 void options_init(struct options *options)
 {
-    *options = (struct options){.log_level = LK_LOG_WARNING};
+    *options = (struct options){.log_level = LK_LOG_WARNING, .runs = 7};
     lk_settings_init(&options->settings);
 }
 

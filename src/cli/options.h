@@ -34,6 +34,7 @@ struct options {
     struct lk_display display;
     const char *output, *stats, *diff, *reference; // files; NULL: none
     double reference_time_s;
+    uint32_t runs; // measured runs of each kind
     enum lk_log_level log_level;
     bool json, quiet, strict, help, version;
 };

@@ -11,6 +11,8 @@ extern const char *const choices_quantity[];
 extern const char *const choices_brdf[];
 extern const char *const choices_light_sampler[];
 extern const char *const choices_trace[];
+extern const char *const choices_bvh[];
+extern const char *const choices_bvh_build[];
 extern const char *const choices_textures[];
 extern const char *const choices_nodes[];
 extern const char *const choices_tonemap[];

@@ -32,7 +32,9 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
              "-cl-std=CL1.2 -cl-mad-enable -cl-denorms-are-zero -cl-no-signed-zeros -D DEVICE=1");
     add_define(options, text, "DEVICE_CPU", gpu->info.is_cpu);
     add_define(options, text, "PERSISTENT", chosen->persistent);
+    add_define(options, text, "BVH_WIDE", chosen->bvh_wide);
     add_define(options, text, "NODES_IMAGE", chosen->nodes_image);
+    add_define(options, text, "ANY_HIT", chosen->any_hit);
     add_define(options, text, "ALPHA", chosen->alpha);
     add_define(options, text, "TEXTURES_BOUND", chosen->textures_bound);
     add_define(options, text, "NORMAL_MAPS", chosen->normal_maps);

@@ -22,7 +22,9 @@
 /** Which variant of the kernels to build. */
 struct program_options {
     bool persistent;     // trace, direct, directional: work from a queue
-    bool nodes_image;    // BVH nodes through a 1D texture
+    bool bvh_wide;       // the 8-wide BVH instead of the binary one
+    bool nodes_image;    // binary BVH's nodes through a 1D texture
+    bool any_hit;        // trace: some hit instead of the nearest
     bool alpha;          // the scene has materials that let rays by
     bool textures_bound; // material: one launch a material, its textures as images
     bool normal_maps;    // the scene has materials with normal maps

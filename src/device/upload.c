@@ -9,8 +9,11 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
     const uint64_t vertices = geometry->vertex_count;
     const uint64_t lights = source->emitters->light_count;
     struct upload_sizes sizes = {
-        .bvh = source->bvh->node_count * sizeof(struct bvh_node) +
-               source->bvh->ref_count * (sizeof(struct woop) + sizeof(uint32_t)),
+        .bvh =
+            source->bvh->node_count * sizeof(struct bvh_node) +
+            source->bvh->ref_count * (sizeof(struct woop) + sizeof(uint32_t)) +
+            source->wide->node_count * sizeof(struct wide_node) +
+            source->wide->block_count * (sizeof(struct woop_block) + WIDE_BLOCK * sizeof(uint32_t)),
         .geometry = vertices * sizeof(struct vertex) +
                     (geometry->colors != NULL ? vertices * sizeof(*geometry->colors) : 0) +
                     (geometry->tangents != NULL ? vertices * sizeof(*geometry->tangents) : 0) +
@@ -32,19 +35,29 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
 }
 
 static enum status upload_bvh(struct device_scene *out, struct gpu *gpu,
-                              const struct packed_bvh *bvh, bool nodes_image)
+                              const struct upload_source *source, bool nodes_image)
 {
+    const struct packed_bvh *bvh = source->bvh;
+    const struct wide_bvh *wide = source->wide;
+    const bool is_wide = wide->node_count > 0;
+    const size_t words = sizeof(uint32_t);
     struct buffer *rows = nodes_image ? &out->node_rows : &out->nodes;
-    enum status status =
-        buffer_create(rows, gpu, bvh->node_count * sizeof(*bvh->nodes), bvh->nodes, "BVH nodes");
+    enum status status = buffer_create(rows, gpu,
+                                       is_wide ? wide->node_count * sizeof(*wide->nodes)
+                                               : bvh->node_count * sizeof(*bvh->nodes),
+                                       is_wide ? (void *)wide->nodes : bvh->nodes, "BVH nodes");
     if (status == STATUS_OK && nodes_image)
         status = buffer_view_rows(&out->nodes, gpu, rows, "BVH nodes");
     if (status == STATUS_OK)
-        status = buffer_create(&out->woop, gpu, bvh->ref_count * sizeof(*bvh->woop), bvh->woop,
-                               "triangle matrices");
+        status = buffer_create(&out->woop, gpu,
+                               is_wide ? wide->block_count * sizeof(*wide->blocks)
+                                       : bvh->ref_count * sizeof(*bvh->woop),
+                               is_wide ? (void *)wide->blocks : bvh->woop, "triangle matrices");
     if (status == STATUS_OK)
-        status = buffer_create(&out->refs, gpu, bvh->ref_count * sizeof(*bvh->refs), bvh->refs,
-                               "triangle references");
+        status = buffer_create(&out->refs, gpu,
+                               (is_wide ? (size_t)wide->block_count * WIDE_BLOCK : bvh->ref_count) *
+                                   words,
+                               is_wide ? wide->refs : bvh->refs, "triangle references");
     return status;
 }
 
@@ -206,7 +219,7 @@ enum status upload(struct device_scene *out, struct gpu *gpu, const struct uploa
                    bool nodes_image, bool textures_bound)
 {
     struct device_scene scene = {0};
-    enum status status = upload_bvh(&scene, gpu, source->bvh, nodes_image);
+    enum status status = upload_bvh(&scene, gpu, source, nodes_image);
     if (status == STATUS_OK)
         status = upload_geometry(&scene, gpu, source->geometry);
     if (status == STATUS_OK)

@@ -11,6 +11,7 @@
 #include "core/status.h"
 #include "device/buffer.h"
 #include "prep/bvh_pack.h"
+#include "prep/bvh_wide.h"
 #include "prep/emitters.h"
 #include "prep/environment.h"
 #include "prep/flatten.h"
@@ -21,7 +22,8 @@
 /** What is to be uploaded; borrowed. */
 struct upload_source {
     const struct geometry *geometry;
-    const struct packed_bvh *bvh;
+    const struct packed_bvh *bvh; // the layout that kernels are built for;
+    const struct wide_bvh *wide;  // the other is empty
     const struct emitters *emitters;
     const struct environment *environment;
     const struct light_tree *light_tree; // the one that the sampler needs,
@@ -36,9 +38,9 @@ struct upload_sizes {
 
 /** All zero is a valid empty one. */
 struct device_scene {
-    struct buffer nodes;     // struct bvh_node, or a view of them as a 1D texture
-    struct buffer node_rows; // what the view views; empty without one
-    struct buffer woop, refs;
+    struct buffer nodes;      // struct bvh_node, or a view of them as a 1D texture, or wide_node
+    struct buffer node_rows;  // what the view views; empty without one
+    struct buffer woop, refs; // struct woop, or woop_block
     struct buffer vertices, colors, tangents, triangles, triangle_emitters;
     struct buffer materials, texels;
     struct buffer *images;     // [image_count], the first white for slots without one; owned
@@ -60,7 +62,7 @@ struct upload_sizes upload_sizes(const struct upload_source *source);
 /**
  * Copies a scene to the device.
  *
- * @param nodes_image     BVH nodes as a 1D texture.
+ * @param nodes_image     Nodes of the binary BVH as a 1D texture.
  * @param textures_bound  Make an image of every texture.
  * @retval STATUS_NO_MEMORY, STATUS_DEVICE, STATUS_LIMIT
  */

@@ -54,6 +54,8 @@ static void write_picture_settings(struct json *json, const struct lk_settings *
     json_string(json, "brdf", choices_brdf[settings->brdf]);
     write_environment(json, settings);
     json_string(json, "trace", choices_trace[settings->trace]);
+    json_string(json, "bvh", choices_bvh[settings->bvh]);
+    json_string(json, "bvh_build", choices_bvh_build[settings->bvh_build]);
     json_string(json, "textures", choices_textures[settings->textures]);
     json_string(json, "nodes", choices_nodes[settings->nodes]);
     json_float(json, "split_threshold", settings->split_threshold);

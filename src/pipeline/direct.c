@@ -11,15 +11,17 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const struct kernel_arg args[] = {
-        ARG_BUFFER(&scene->nodes),        ARG_BUFFER(&scene->woop),
-        ARG_BUFFER(&scene->refs),         ARG_BUFFER(&scene->vertices),
-        ARG_BUFFER(&scene->colors),       ARG_BUFFER(&scene->triangles),
-        ARG_BUFFER(&scene->materials),    ARG_BUFFER(&scene->texels),
-        ARG_BUFFER(&w->settings),         ARG_VALUE(context->batch),
-        ARG_VALUE(context->bounce),       ARG_BUFFER(&scene->lights),
-        ARG_BUFFER(&scene->shapes),       ARG_BUFFER(&scene->light_nodes),
-        ARG_BUFFER(stage_queue(context)), ARG_BUFFER(&w->hits),
-        ARG_BUFFER(&w->shades),           ARG_BUFFER(&w->paths),
+        ARGS_TRACED(scene),
+        ARG_BUFFER(&w->settings),
+        ARG_VALUE(context->batch),
+        ARG_VALUE(context->bounce),
+        ARG_BUFFER(&scene->lights),
+        ARG_BUFFER(&scene->shapes),
+        ARG_BUFFER(&scene->light_nodes),
+        ARG_BUFFER(stage_queue(context)),
+        ARG_BUFFER(&w->hits),
+        ARG_BUFFER(&w->shades),
+        ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->counters),
     };
     return kernel_enqueue(context->gpu, &direct->kernel, args, sizeof(args) / sizeof(args[0]),

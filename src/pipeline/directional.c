@@ -12,14 +12,7 @@ enum status directional_enqueue(const struct directional *directional,
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const struct kernel_arg args[] = {
-        ARG_BUFFER(&scene->nodes),
-        ARG_BUFFER(&scene->woop),
-        ARG_BUFFER(&scene->refs),
-        ARG_BUFFER(&scene->vertices),
-        ARG_BUFFER(&scene->colors),
-        ARG_BUFFER(&scene->triangles),
-        ARG_BUFFER(&scene->materials),
-        ARG_BUFFER(&scene->texels),
+        ARGS_TRACED(scene),
         ARG_BUFFER(&w->settings),
         ARG_VALUE(context->bounce),
         ARG_BUFFER(&scene->directional),

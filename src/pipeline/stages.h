@@ -26,6 +26,14 @@ struct stage_context {
     bool persistent; // tracing kernels take work from a queue
 };
 
+/** The arguments that every kernel that traces takes first: TRACED_PARAMETERS of cl/lib/traverse.h.
+ */
+#define ARGS_TRACED(scene)                                                                         \
+    ARG_BUFFER(&(scene)->nodes), ARG_BUFFER(&(scene)->woop), ARG_BUFFER(&(scene)->refs),           \
+        ARG_BUFFER(&(scene)->vertices), ARG_BUFFER(&(scene)->colors),                              \
+        ARG_BUFFER(&(scene)->triangles), ARG_BUFFER(&(scene)->materials),                          \
+        ARG_BUFFER(&(scene)->texels)
+
 /** This bounce's queue. */
 const struct buffer *stage_queue(const struct stage_context *context);
 

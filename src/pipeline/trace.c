@@ -12,11 +12,9 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const struct kernel_arg args[] = {
-        ARG_BUFFER(&scene->nodes),        ARG_BUFFER(&scene->woop),   ARG_BUFFER(&scene->refs),
-        ARG_BUFFER(&scene->vertices),     ARG_BUFFER(&scene->colors), ARG_BUFFER(&scene->triangles),
-        ARG_BUFFER(&scene->materials),    ARG_BUFFER(&scene->texels), ARG_BUFFER(&w->rays),
-        ARG_BUFFER(stage_queue(context)), ARG_BUFFER(&w->hits),       ARG_BUFFER(&w->counters),
-        ARG_VALUE(context->bounce),       ARG_BUFFER(&w->paths),
+        ARGS_TRACED(scene),    ARG_BUFFER(&w->rays),     ARG_BUFFER(stage_queue(context)),
+        ARG_BUFFER(&w->hits),  ARG_BUFFER(&w->counters), ARG_VALUE(context->bounce),
+        ARG_BUFFER(&w->paths),
     };
     const size_t count = sizeof(args) / sizeof(args[0]) - (trace->tints ? 0 : 1);
     return kernel_enqueue(context->gpu, &trace->kernel, args, count,

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "prep/array.h"
+#include "prep/box.h"
 #include "shared/bvh.h"
 
 #define PLANE_COUNT 8                    // candidates an axis (thesis section 3.1)
@@ -16,11 +17,6 @@
 // A node with fewer references is built by the thread that met it: some 0.2 ms of work, well above
 // the cost of a task.
 #define TASK_REFS 1024u
-
-// A box of four lanes, so that it is united by vector instructions; lane 3 stays 0.
-struct box {
-    float lo[4], hi[4];
-};
 
 // What all tasks share. The references of a node stand together in both arrays.
 struct builder {
@@ -46,34 +42,9 @@ struct split {
     float scale;
 };
 
-static const struct box empty_box = {{FLT_MAX, FLT_MAX, FLT_MAX, 0.0f},
-                                     {-FLT_MAX, -FLT_MAX, -FLT_MAX, 0.0f}};
-
-static inline void box_unite(struct box *box, const struct box *other)
-{
-    for (int k = 0; k < 4; k++)
-        box->lo[k] = other->lo[k] < box->lo[k] ? other->lo[k] : box->lo[k];
-    for (int k = 0; k < 4; k++)
-        box->hi[k] = other->hi[k] > box->hi[k] ? other->hi[k] : box->hi[k];
-}
-
-// Half the surface of a box, in double, where the squares of all floats have room.
-static double half_area(const float *lo, const float *hi)
-{
-    const double x = (double)hi[0] - lo[0];
-    const double y = (double)hi[1] - lo[1];
-    const double z = (double)hi[2] - lo[2];
-    return x * y + y * z + z * x;
-}
-
-static inline float centroid(const struct box *box, int axis)
-{
-    return 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
-}
-
 static inline int bin_of(const struct box *box, int axis, float lo, float scale)
 {
-    const float place = (centroid(box, axis) - lo) * scale; // NaN if the extent overflows
+    const float place = (box_center(box, axis) - lo) * scale; // NaN if the extent overflows
     return place < PLANE_COUNT ? (int)place : PLANE_COUNT;
 }
 
@@ -83,23 +54,24 @@ static void sweep(struct split *split, double *best, int axis, const struct box 
 {
     // From the right: cost of all that lies at or beyond each plane.
     double right_cost[BIN_COUNT];
-    struct box box = empty_box;
+    struct box box = box_empty;
     uint32_t count = 0;
     for (int i = PLANE_COUNT; i > 0; i--) {
         box_unite(&box, &bins[i]);
         count += counts[i];
-        right_cost[i] = count > 0 ? count * half_area(box.lo, box.hi) : -1.0; // -1: nothing there
+        right_cost[i] =
+            count > 0 ? count * box_half_area(box.lo, box.hi) : -1.0; // -1: nothing there
     }
 
     // From the left: add the cost of all before it.
-    box = empty_box;
+    box = box_empty;
     count = 0;
     for (int i = 1; i < BIN_COUNT; i++) {
         box_unite(&box, &bins[i - 1]);
         count += counts[i - 1];
         if (count == 0 || right_cost[i] < 0.0)
             continue; // the plane does not separate
-        const double cost = right_cost[i] + count * half_area(box.lo, box.hi);
+        const double cost = right_cost[i] + count * box_half_area(box.lo, box.hi);
         if (cost < *best) {
             *best = cost;
             split->axis = axis;
@@ -120,7 +92,7 @@ static struct split choose_split(const struct box *boxes, uint32_t count, const 
         const float extent = centers->hi[axis] - centers->lo[axis];
         scale[axis] = extent > FLT_MIN * 16.0f ? BIN_COUNT / extent : 0.0f;
         for (int i = 0; i < BIN_COUNT; i++)
-            bins[axis][i] = empty_box;
+            bins[axis][i] = box_empty;
     }
 
     for (uint32_t i = 0; i < count; i++) {
@@ -180,13 +152,13 @@ static uint32_t halve(struct builder *builder, const struct range *range, const 
     int64_t lo = range->first;
     int64_t hi = lo + range->count - 1;
     while (lo < hi) {
-        const float pivot = centroid(&builder->boxes[lo + (hi - lo) / 2], axis);
+        const float pivot = box_center(&builder->boxes[lo + (hi - lo) / 2], axis);
         int64_t i = lo;
         int64_t j = hi;
         while (i <= j) {
-            while (centroid(&builder->boxes[i], axis) < pivot)
+            while (box_center(&builder->boxes[i], axis) < pivot)
                 i++;
-            while (centroid(&builder->boxes[j], axis) > pivot)
+            while (box_center(&builder->boxes[j], axis) > pivot)
                 j--;
             if (i <= j)
                 swap_refs(builder, i++, j--);
@@ -214,12 +186,12 @@ static uint32_t levels(uint32_t n)
 static void find_bounds(struct box *bounds, struct box *centers, const struct box *boxes,
                         uint32_t count)
 {
-    *bounds = empty_box;
-    *centers = empty_box;
+    *bounds = box_empty;
+    *centers = box_empty;
     for (uint32_t i = 0; i < count; i++) {
         struct box center;
         for (int k = 0; k < 4; k++)
-            center.lo[k] = center.hi[k] = centroid(&boxes[i], k);
+            center.lo[k] = center.hi[k] = box_center(&boxes[i], k);
         box_unite(bounds, &boxes[i]);
         box_unite(centers, &center);
     }
@@ -269,25 +241,52 @@ static void build_node(struct builder *builder, struct range range)
 
 // Copies a subtree without the holes, depth first. Returns the nodes on its longest way down.
 static uint32_t copy_node(struct bvh *bvh, uint32_t to, const struct bvh_build_node *from_nodes,
-                          uint32_t from)
+                          uint32_t from, const uint32_t *order)
 {
     struct bvh_build_node *node = &bvh->nodes[to];
     *node = from_nodes[from];
-    if (node->count > 0)
+    if (node->count > 0) {
+        memcpy(bvh->order + bvh->ref_count, order + node->left, node->count * sizeof(*order));
+        node->left = bvh->ref_count;
+        bvh->ref_count += node->count;
         return 1;
+    }
     const uint32_t from_left = node->left;
     node->left = bvh->node_count;
     bvh->node_count += 2;
-    const uint32_t left_depth = copy_node(bvh, node->left, from_nodes, from_left);
-    const uint32_t right_depth = copy_node(bvh, node->left + 1, from_nodes, from_left + 1);
+    const uint32_t left_depth = copy_node(bvh, node->left, from_nodes, from_left, order);
+    const uint32_t right_depth = copy_node(bvh, node->left + 1, from_nodes, from_left + 1, order);
     return 1 + (left_depth > right_depth ? left_depth : right_depth);
 }
 
-static uint32_t count_inner(const struct bvh_build_node *nodes, uint32_t node)
+// Counts what is in a subtree.
+static void count_below(uint32_t *node_count, uint32_t *ref_count,
+                        const struct bvh_build_node *nodes, uint32_t node)
 {
+    ++*node_count;
+    *ref_count += nodes[node].count;
     if (nodes[node].count > 0)
-        return 0;
-    return 1 + count_inner(nodes, nodes[node].left) + count_inner(nodes, nodes[node].left + 1);
+        return;
+    count_below(node_count, ref_count, nodes, nodes[node].left);
+    count_below(node_count, ref_count, nodes, nodes[node].left + 1);
+}
+
+enum status bvh_take(struct bvh *out, const struct bvh_build_node *nodes, const uint32_t *order)
+{
+    struct bvh bvh = {0};
+    uint32_t node_count = 0;
+    uint32_t ref_count = 0;
+    count_below(&node_count, &ref_count, nodes, 0);
+    bvh.nodes = array_alloc(node_count, sizeof(*bvh.nodes));
+    bvh.order = array_alloc(ref_count, sizeof(*bvh.order));
+    if (bvh.nodes == NULL || bvh.order == NULL) {
+        bvh_free(&bvh);
+        return status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u references", ref_count);
+    }
+    bvh.node_count = 1;
+    bvh.depth = copy_node(&bvh, 0, nodes, 0, order);
+    *out = bvh;
+    return STATUS_OK;
 }
 
 static void load_refs(struct builder *builder, const struct tri_ref *refs, uint32_t ref_count)
@@ -306,19 +305,18 @@ enum status bvh_build(struct bvh *out, const struct tri_ref *refs, uint32_t ref_
                       uint32_t leaf_size)
 {
     enum status status = STATUS_OK;
-    struct bvh bvh = {0};
-    struct builder builder = {.leaf_size = leaf_size};
     assert(leaf_size >= 2 && leaf_size <= BVH_LEAF_MAX + 1);
     if (ref_count == 0) {
-        *out = bvh;
+        *out = (struct bvh){0};
         return STATUS_OK;
     }
-
-    bvh.order = array_alloc(ref_count, sizeof(*bvh.order));
-    builder.order = bvh.order;
-    builder.boxes = array_alloc(ref_count, sizeof(*builder.boxes));
-    builder.nodes = array_alloc(2 * (size_t)ref_count, sizeof(*builder.nodes));
-    if (bvh.order == NULL || builder.boxes == NULL || builder.nodes == NULL) {
+    struct builder builder = {
+        .boxes = array_alloc(ref_count, sizeof(*builder.boxes)),
+        .order = array_alloc(ref_count, sizeof(*builder.order)),
+        .nodes = array_alloc(2 * (size_t)ref_count, sizeof(*builder.nodes)),
+        .leaf_size = leaf_size,
+    };
+    if (builder.order == NULL || builder.boxes == NULL || builder.nodes == NULL) {
         status =
             status_fail(STATUS_NO_MEMORY, "no memory to build a BVH of %u references", ref_count);
         goto cleanup;
@@ -328,22 +326,12 @@ enum status bvh_build(struct bvh *out, const struct tri_ref *refs, uint32_t ref_
 #pragma omp parallel
 #pragma omp single
     build_node(&builder, (struct range){0, ref_count, 0, 0, 1});
-
-    bvh.nodes = array_alloc(1 + 2 * (size_t)count_inner(builder.nodes, 0), sizeof(*bvh.nodes));
-    if (bvh.nodes == NULL) {
-        status = status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u references", ref_count);
-        goto cleanup;
-    }
-    bvh.ref_count = ref_count;
-    bvh.node_count = 1;
-    bvh.depth = copy_node(&bvh, 0, builder.nodes, 0);
-    *out = bvh;
-    bvh = (struct bvh){0}; // the caller owns it now
+    status = bvh_take(out, builder.nodes, builder.order);
 
 cleanup:
     free(builder.nodes);
+    free(builder.order);
     free(builder.boxes);
-    bvh_free(&bvh);
     return status;
 }
 
@@ -352,10 +340,10 @@ double bvh_sah_cost(const struct bvh *bvh)
     double cost = 0.0;
     if (bvh->node_count == 0)
         return cost;
-    const double root_area = half_area(bvh->nodes[0].lo, bvh->nodes[0].hi);
+    const double root_area = box_half_area(bvh->nodes[0].lo, bvh->nodes[0].hi);
     for (uint32_t i = 0; i < bvh->node_count; i++) {
         const struct bvh_build_node *node = &bvh->nodes[i];
-        const double area = half_area(node->lo, node->hi);
+        const double area = box_half_area(node->lo, node->hi);
         const double probability = root_area > 0.0 ? area / root_area : 1.0;
         cost += probability * (node->count > 0 ? node->count : 1);
     }

@@ -27,8 +27,8 @@ struct bvh_build_node {
 /** A built tree. All zero is a valid tree of nothing. */
 struct bvh {
     struct bvh_build_node *nodes; // [node_count], root at 0; owned
-    uint32_t
-        *order; // [ref_count], leaves' references in order: indices into the tri_refs given; owned
+    uint32_t *order; // [ref_count], leaves' references in order: indices into the tri_refs given;
+                     // owned. A builder that splits may name one several times
     uint32_t node_count, ref_count;
     uint32_t depth; // nodes on the longest way down, below BVH_STACK_SIZE
 };
@@ -43,6 +43,16 @@ struct bvh {
  */
 enum status bvh_build(struct bvh *out, const struct tri_ref *refs, uint32_t ref_count,
                       uint32_t leaf_size);
+
+/**
+ * Makes a tree of a builder's nodes: copies them depth first, with the leaves' references in that
+ * order.
+ *
+ * @param nodes  Root at 0, any holes between.
+ * @param order  What the leaves' `left` counts in.
+ * @retval STATUS_NO_MEMORY  It does not fit.
+ */
+enum status bvh_take(struct bvh *out, const struct bvh_build_node *nodes, const uint32_t *order);
 
 /** Expected cost of a random ray that meets the root: inner nodes visited times 1 plus references
  * tested times 1. 0 for the empty tree. */

@@ -27,17 +27,45 @@ static const struct child empty_child = {{BOX_NOWHERE, BOX_NOWHERE, BOX_NOWHERE}
                                          {BOX_NOWHERE, BOX_NOWHERE, BOX_NOWHERE},
                                          CHILD_EMPTY};
 
-// Makes a box a little larger.
-static void grow(struct child *out, const struct bvh_build_node *node)
+void bvh_grow(float *lo, float *hi, const struct bvh_build_node *node)
 {
     double largest = 0.0;
     for (int k = 0; k < 3; k++)
         largest = fmax(largest, fmax(fabs(node->lo[k]), fabs(node->hi[k])));
     const double margin = largest * BOX_MARGIN + FLT_MIN;
     for (int k = 0; k < 3; k++) {
-        out->lo[k] = float_below(node->lo[k] - margin);
-        out->hi[k] = float_above(node->hi[k] + margin);
+        lo[k] = float_below(node->lo[k] - margin);
+        hi[k] = float_above(node->hi[k] + margin);
     }
+}
+
+void bvh_woop(struct woop *out, const struct geometry *geometry, uint32_t triangle)
+{
+    const struct triangle *tri = &geometry->triangles[triangle];
+    const uint corner[3] = {tri->v0, tri->v1, tri->v2};
+    float p[3][3];
+    for (int k = 0; k < 3; k++)
+        memcpy(p[k], &geometry->vertices[corner[k]].pos_normal, sizeof(p[k]));
+    woop_build(out, p[0], p[1], p[2]);
+}
+
+uint32_t bvh_ref_word(const struct geometry *geometry, const struct scene_material *materials,
+                      uint32_t triangle)
+{
+    const struct scene_material *material = &materials[geometry->triangles[triangle].material];
+    const bool passes = material->masked || material->blended || scene_material_transmits(material);
+    return triangle | (passes ? BVH_REF_ALPHA : 0u);
+}
+
+enum status bvh_check_limits(const struct bvh *bvh)
+{
+    if (bvh->depth > BVH_STACK_SIZE)
+        return status_fail(STATUS_LIMIT, "the BVH is %u nodes deep, more than %u", bvh->depth,
+                           BVH_STACK_SIZE);
+    if (bvh->ref_count > 1u << (31u - BVH_LEAF_BITS))
+        return status_fail(STATUS_LIMIT, "the BVH has %u references, more than %u", bvh->ref_count,
+                           1u << (31u - BVH_LEAF_BITS));
+    return STATUS_OK;
 }
 
 static void set_node(struct bvh_node *out, const struct child *c0, const struct child *c1)
@@ -66,7 +94,7 @@ static struct child pack_subtree(struct packed_bvh *packed, const struct bvh *bv
 {
     const struct bvh_build_node *node = &bvh->nodes[index];
     struct child child;
-    grow(&child, node);
+    bvh_grow(child.lo, child.hi, node);
     child.word = node->count > 0 ? ~(int32_t)(node->left << BVH_LEAF_BITS | node->count)
                                  : pack_inner(packed, bvh, node->left);
     return child;
@@ -78,29 +106,18 @@ static void pack_refs(struct packed_bvh *packed, const struct bvh *bvh, const st
 {
 #pragma omp parallel for schedule(static)
     for (uint32_t i = 0; i < bvh->ref_count; i++) {
-        const uint32_t index = refs[bvh->order[i]].triangle;
-        const struct triangle *triangle = &geometry->triangles[index];
-        const uint corner[3] = {triangle->v0, triangle->v1, triangle->v2};
-        float p[3][3];
-        for (int k = 0; k < 3; k++)
-            memcpy(p[k], &geometry->vertices[corner[k]].pos_normal, sizeof(p[k]));
-        woop_build(&packed->woop[i], p[0], p[1], p[2]);
-        const struct scene_material *material = &materials[triangle->material];
-        const bool passes =
-            material->masked || material->blended || scene_material_transmits(material);
-        packed->refs[i] = index | (passes ? BVH_REF_ALPHA : 0u);
+        const uint32_t triangle = refs[bvh->order[i]].triangle;
+        bvh_woop(&packed->woop[i], geometry, triangle);
+        packed->refs[i] = bvh_ref_word(geometry, materials, triangle);
     }
 }
 
 enum status bvh_pack(struct packed_bvh *out, const struct bvh *bvh, const struct tri_ref *refs,
                      const struct geometry *geometry, const struct scene_material *materials)
 {
-    if (bvh->depth > BVH_STACK_SIZE)
-        return status_fail(STATUS_LIMIT, "the BVH is %u nodes deep, more than %u", bvh->depth,
-                           BVH_STACK_SIZE);
-    if (bvh->ref_count > 1u << (31u - BVH_LEAF_BITS))
-        return status_fail(STATUS_LIMIT, "the BVH has %u references, more than %u", bvh->ref_count,
-                           1u << (31u - BVH_LEAF_BITS));
+    const enum status status = bvh_check_limits(bvh);
+    if (status != STATUS_OK)
+        return status;
 
     // A tree of n nodes has (n - 1) / 2 inner ones; a root is there in any case.
     const uint32_t inner_count = bvh->node_count > 1 ? (bvh->node_count - 1) / 2 : 1;

@@ -34,6 +34,19 @@ struct packed_bvh {
 enum status bvh_pack(struct packed_bvh *out, const struct bvh *bvh, const struct tri_ref *refs,
                      const struct geometry *geometry, const struct scene_material *materials);
 
+/** Makes the box of a node a little larger, so that Woop's test never loses a hit at its face. */
+void bvh_grow(float *lo, float *hi, const struct bvh_build_node *node);
+
+/** Computes the Woop rows of a triangle. */
+void bvh_woop(struct woop *out, const struct geometry *geometry, uint32_t triangle);
+
+/** A triangle's entry of refs[]. */
+uint32_t bvh_ref_word(const struct geometry *geometry, const struct scene_material *materials,
+                      uint32_t triangle);
+
+/** STATUS_LIMIT if child words and stacks do not reach over the tree. */
+enum status bvh_check_limits(const struct bvh *bvh);
+
 void packed_bvh_free(struct packed_bvh *packed);
 
 #endif

@@ -6,6 +6,7 @@
 #define TESTS_DEVICE_LAYOUT_LIST_H
 
 #include "shared/bvh.h"
+#include "shared/bvh_wide.h"
 #include "shared/camera.h"
 #include "shared/environment.h"
 #include "shared/film.h"
@@ -26,6 +27,10 @@
     M(bvh_node, row0) M(bvh_node, row1) M(bvh_node, row2) M(bvh_node, row3)                        \
     S(woop)                                                                                        \
     M(woop, row_w) M(woop, row_u) M(woop, row_v)                                                   \
+    S(wide_node)                                                                                   \
+    M(wide_node, rows)                                                                             \
+    S(woop_block)                                                                                  \
+    M(woop_block, rows)                                                                            \
     S(camera)                                                                                      \
     M(camera, org) M(camera, corner) M(camera, right) M(camera, down) M(camera, forward)           \
     M(camera, width) M(camera, height) M(camera, orthographic) M(camera, pad0)                     \

@@ -11,11 +11,12 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "prep/sbvh.h"
 #include "stage_support.h"
 #include "trace_oracle.h"
 #include "trace_rays.h"
 
-#define VARIANT_COUNT 9
+#define VARIANT_COUNT 16
 #define BLENDED_ALPHA 0.4
 #define RAYS          2100u
 #define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
@@ -23,31 +24,44 @@
 /** The materials of every scene. */
 enum { SOLID, CUT_OUT, BLENDED, MATERIALS };
 
+/** The BVHs that every scene is uploaded with. */
+enum tree { TREE_BINARY, TREE_TEXTURE, TREE_SPLIT, TREE_WIDE, TREE_WIDE_SPLIT, TREES };
+
 /** A variant of the trace kernel. */
 struct variant {
+    enum tree tree;
     struct program_options options;
     const char *source; // in tests/device/ or, if NULL, cl/trace.cl
     struct trace trace;
 };
 
 static const struct variant all_variants[VARIANT_COUNT] = {
-    {.options = {0}},
-    {.options = {.alpha = true}},
-    {.options = {.persistent = true}},
-    {.options = {.persistent = true, .alpha = true}},
-    {.options = {.persistent = true, .alpha = true}, .source = "trace_warp"},
-    {.options = {.nodes_image = true}},
-    {.options = {.nodes_image = true, .alpha = true}},
-    {.options = {.nodes_image = true, .persistent = true}},
-    {.options = {.nodes_image = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_BINARY, .options = {0}},
+    {.tree = TREE_BINARY, .options = {.alpha = true}},
+    {.tree = TREE_BINARY, .options = {.persistent = true}},
+    {.tree = TREE_BINARY, .options = {.persistent = true, .alpha = true}},
+    {.tree = TREE_BINARY, .options = {.persistent = true, .alpha = true}, .source = "trace_warp"},
+    {.tree = TREE_SPLIT, .options = {0}},
+    {.tree = TREE_SPLIT, .options = {.persistent = true, .alpha = true}},
+    {.tree = TREE_WIDE, .options = {.bvh_wide = true}},
+    {.tree = TREE_WIDE_SPLIT, .options = {.bvh_wide = true, .alpha = true}},
+    {.tree = TREE_WIDE_SPLIT, .options = {.bvh_wide = true, .persistent = true}},
+    {.tree = TREE_WIDE, .options = {.bvh_wide = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_WIDE_SPLIT,
+     .options = {.bvh_wide = true, .alpha = true},
+     .source = "trace_portable"},
+    {.tree = TREE_TEXTURE, .options = {.nodes_image = true}},
+    {.tree = TREE_TEXTURE, .options = {.nodes_image = true, .alpha = true}},
+    {.tree = TREE_TEXTURE, .options = {.nodes_image = true, .persistent = true}},
+    {.tree = TREE_TEXTURE, .options = {.nodes_image = true, .persistent = true, .alpha = true}},
 };
 
 /** The group's state. */
 struct fixture {
     struct gpu *gpu;
     struct variant variants[VARIANT_COUNT];
-    uint32_t variant_count; // those through textures come last, and need images
-    struct program any_hit;
+    uint32_t variant_count;     // those through textures come last, and need images
+    struct program any_hit[2];  // over the binary BVH, over the wide one
     struct wavefront wavefront; // of RAYS paths
 };
 
@@ -56,8 +70,8 @@ struct trace_scene {
     struct geometry geometry;
     struct material materials[MATERIALS];
     struct scene_material scene_materials[MATERIALS];
-    struct packed_bvh packed;
-    struct device_scene buffers, images; // nodes as a buffer and as a texture
+    uint32_t ref_count;
+    struct device_scene trees[TREES];
 };
 
 static inline void build_variant(struct variant *variant, struct gpu *gpu)
@@ -75,7 +89,6 @@ static inline void build_variant(struct variant *variant, struct gpu *gpu)
 static inline struct fixture make_fixture(struct gpu *gpu)
 {
     struct fixture f = {.gpu = gpu};
-    const struct program_options masks = {.alpha = true};
     for (int i = 0; i < VARIANT_COUNT; i++) {
         f.variants[i] = all_variants[i];
         if (f.variants[i].options.nodes_image && !gpu->info.has_images)
@@ -83,7 +96,10 @@ static inline struct fixture make_fixture(struct gpu *gpu)
         build_variant(&f.variants[i], gpu);
         f.variant_count++;
     }
-    f.any_hit = device_program(gpu, "any_hit", &masks);
+    for (int wide = 0; wide < 2; wide++) {
+        const struct program_options options = {.alpha = true, .bvh_wide = wide};
+        f.any_hit[wide] = device_program(gpu, "any_hit", &options);
+    }
     f.wavefront = make_wavefront(gpu, RAYS, 1);
     return f;
 }
@@ -91,26 +107,56 @@ static inline struct fixture make_fixture(struct gpu *gpu)
 static inline void release_fixture(struct fixture *f)
 {
     wavefront_free(f->gpu, &f->wavefront);
-    program_free(&f->any_hit);
+    program_free(&f->any_hit[1]);
+    program_free(&f->any_hit[0]);
     for (uint32_t i = 0; i < f->variant_count; i++)
         trace_free(&f->variants[i].trace);
 }
 
+// Builds, packs and uploads one of a scene's BVHs.
+static inline void make_tree(struct trace_scene *scene, enum tree tree, const struct fixture *f,
+                             const struct tri_ref *refs)
+{
+    static const struct emitters no_emitters;
+    static const struct light_tree no_tree;
+    static const struct light_bvh no_bvh;
+    static const struct environment no_environment;
+    struct bvh bvh;
+    struct packed_bvh packed = {0};
+    struct wide_bvh wide = {0};
+    if (tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT)
+        assert_ok(sbvh_build(&bvh, refs, scene->ref_count, &scene->geometry, 8));
+    else
+        assert_ok(bvh_build(&bvh, refs, scene->ref_count, 8));
+    if (tree == TREE_WIDE || tree == TREE_WIDE_SPLIT)
+        assert_ok(wide_bvh_pack(&wide, &bvh, refs, &scene->geometry, scene->scene_materials));
+    else
+        assert_ok(bvh_pack(&packed, &bvh, refs, &scene->geometry, scene->scene_materials));
+    const struct material_set materials = {.materials = scene->materials,
+                                           .material_count = MATERIALS};
+    const struct upload_source source = {.geometry = &scene->geometry,
+                                         .bvh = &packed,
+                                         .wide = &wide,
+                                         .emitters = &no_emitters,
+                                         .environment = &no_environment,
+                                         .light_tree = &no_tree,
+                                         .light_bvh = &no_bvh,
+                                         .materials = &materials};
+    assert_ok(upload(&scene->trees[tree], f->gpu, &source, tree == TREE_TEXTURE, false));
+    wide_bvh_free(&wide);
+    packed_bvh_free(&packed);
+    bvh_free(&bvh);
+}
+
 /**
- * Builds the BVH of a geometry and uploads both; takes the geometry over.
+ * Builds the BVHs of a geometry and uploads all; takes the geometry over.
  *
  * @param split  Threshold of early split clipping, m2; 0: none.
  */
 static inline void make_scene(struct trace_scene *out, const struct fixture *f,
                               struct geometry geometry, float split)
 {
-    static const struct emitters no_emitters;
-    static const struct light_tree no_tree;
-    static const struct light_bvh no_bvh;
-    static const struct environment no_environment;
     struct tri_ref *refs = NULL;
-    uint32_t ref_count = 0;
-    struct bvh bvh;
     *out = (struct trace_scene){.geometry = geometry};
     for (int i = 0; i < MATERIALS; i++)
         out->materials[i].base.w = i == SOLID ? 1.0f : (float)BLENDED_ALPHA;
@@ -119,32 +165,18 @@ static inline void make_scene(struct trace_scene *out, const struct fixture *f,
     out->materials[BLENDED].flags = MATERIAL_BLENDED;
     out->scene_materials[CUT_OUT].masked = true;
     out->scene_materials[BLENDED].blended = true;
-    assert_ok(presplit(&refs, &ref_count, &out->geometry, split));
-    assert_true(split == 0.0f || ref_count > geometry.triangle_count);
-    assert_ok(bvh_build(&bvh, refs, ref_count, 8));
-    assert_ok(bvh_pack(&out->packed, &bvh, refs, &out->geometry, out->scene_materials));
-    bvh_free(&bvh);
+    assert_ok(presplit(&refs, &out->ref_count, &out->geometry, split));
+    assert_true(split == 0.0f || out->ref_count > geometry.triangle_count);
+    for (int tree = 0; tree < TREES; tree++)
+        if (tree != TREE_TEXTURE || f->gpu->info.has_images)
+            make_tree(out, tree, f, refs);
     free(refs);
-
-    const struct material_set materials = {.materials = out->materials,
-                                           .material_count = MATERIALS};
-    const struct upload_source source = {.geometry = &out->geometry,
-                                         .bvh = &out->packed,
-                                         .emitters = &no_emitters,
-                                         .environment = &no_environment,
-                                         .light_tree = &no_tree,
-                                         .light_bvh = &no_bvh,
-                                         .materials = &materials};
-    assert_ok(upload(&out->buffers, f->gpu, &source, false, false));
-    if (f->gpu->info.has_images)
-        assert_ok(upload(&out->images, f->gpu, &source, true, false));
 }
 
 static inline void release_scene(struct trace_scene *scene, const struct fixture *f)
 {
-    device_scene_free(f->gpu, &scene->images);
-    device_scene_free(f->gpu, &scene->buffers);
-    packed_bvh_free(&scene->packed);
+    for (int tree = 0; tree < TREES; tree++)
+        device_scene_free(f->gpu, &scene->trees[tree]);
     geometry_free(&scene->geometry);
 }
 
@@ -162,7 +194,7 @@ static inline void run_variant(struct hit *hits, const struct fixture *f,
     write_counters(f->gpu, w, 1, count);
     const struct stage_context context = {
         .gpu = f->gpu,
-        .scene = variant->options.nodes_image ? &scene->images : &scene->buffers,
+        .scene = &scene->trees[variant->tree],
         .wavefront = w,
         .batch = {.count = RAYS, .pixel_count = RAYS},
         .bounce = 1,
@@ -172,19 +204,21 @@ static inline void run_variant(struct hit *hits, const struct fixture *f,
     assert_ok(buffer_read(f->gpu, &w->hits, hits, RAYS * sizeof(*hits)));
 }
 
-/** Asks for any hit of rays[0 .. RAYS). */
+/** Asks for any hit of rays[0 .. RAYS) in one of the BVHs, not the texture. */
 static inline void run_any_hit(struct hit *hits, const struct fixture *f,
-                               const struct trace_scene *scene, const struct ray *rays)
+                               const struct trace_scene *scene, enum tree tree,
+                               const struct ray *rays)
 {
-    const struct device_scene *d = &scene->buffers;
     const uint32_t count = RAYS;
+    const bool wide = tree == TREE_WIDE || tree == TREE_WIDE_SPLIT;
     assert_ok(buffer_write(f->gpu, &f->wavefront.rays, rays, RAYS * sizeof(*rays)));
     const struct kernel_arg args[] = {
-        ARG_BUFFER(&d->nodes),          ARG_BUFFER(&d->woop),           ARG_BUFFER(&d->refs),
-        ARG_BUFFER(&d->vertices),       ARG_BUFFER(&d->triangles),      ARG_BUFFER(&d->materials),
-        ARG_BUFFER(&f->wavefront.rays), ARG_BUFFER(&f->wavefront.hits), ARG_VALUE(count),
+        ARGS_TRACED(&scene->trees[tree]),
+        ARG_BUFFER(&f->wavefront.rays),
+        ARG_BUFFER(&f->wavefront.hits),
+        ARG_VALUE(count),
     };
-    DEVICE_RUN(f->gpu, &f->any_hit, "any_hit", args, count);
+    DEVICE_RUN(f->gpu, &f->any_hit[wide], "any_hit", args, count);
     assert_ok(buffer_read(f->gpu, &f->wavefront.hits, hits, RAYS * sizeof(*hits)));
 }
 

@@ -1,0 +1,239 @@
+/**
+ * @file
+ * One ray through the 8-wide BVH (shared/bvh_wide.h): closest hit and any hit from one body. For
+ * CPUs, where one work item uses the vector unit by itself.
+ *
+ * Source: I. Wald et al., "Embree", SIGGRAPH 2014: single-ray traversal, the boxes' near and far
+ * planes picked by the signs of the direction, hit children visited from near to far. Differs from
+ * it: Woop's test at the leaves.
+ */
+#ifndef LIB_TRAVERSE_WIDE_H
+#define LIB_TRAVERSE_WIDE_H
+
+#include "lib/traced.h"
+
+#define BVH_NODES __global const float8 *restrict
+
+#define WIDE_ROWS       8  // float8 rows of a node
+#define WIDE_BLOCK_ROWS 12 // float4 rows of a block
+
+#ifndef WIDE_PORTABLE
+#define WIDE_PORTABLE 0 // 1: without x86's instructions for masks, as on other CPUs
+#endif
+
+// Plain comparisons: fmin and fmax would carry NaNs.
+static inline float8 min8(const float8 a, const float8 b)
+{
+    return a < b ? a : b;
+}
+
+static inline float8 max8(const float8 a, const float8 b)
+{
+    return a > b ? a : b;
+}
+
+// Bit k is set where a[k] <= b[k].
+static inline uint wide_compare(const float8 a, const float8 b)
+{
+#if !WIDE_PORTABLE && defined(__AVX512VL__) && defined(__AVX512DQ__)
+    return __builtin_ia32_cmpps256_mask(a, b, 2, (uchar)0xff); // 2: less or equal
+#elif !WIDE_PORTABLE && defined(__AVX__)
+    return (uint)__builtin_ia32_movmskps256(as_float8(a <= b));
+#else
+    const int8 bits = (a <= b) & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+    const int4 four = bits.lo | bits.hi;
+    const int2 two = four.lo | four.hi;
+    return (uint)(two.x | two.y);
+#endif
+}
+
+// Bit k is set where lane k is true.
+static inline uint wide_bits(const int4 lanes)
+{
+#if !WIDE_PORTABLE && defined(__SSE__)
+    return (uint)__builtin_ia32_movmskps(as_float4(lanes));
+#else
+    const int4 bits = lanes & (int4)(1, 2, 4, 8);
+    const int2 two = bits.lo | bits.hi;
+    return (uint)(two.x | two.y);
+#endif
+}
+
+// The lowest bit that is set; some is.
+static inline uint wide_lowest(const uint bits)
+{
+#if !WIDE_PORTABLE && defined(__clang__)
+    return (uint)__builtin_ctz(bits);
+#else
+    return 31u - clz(bits & (0u - bits));
+#endif
+}
+
+// The highest bit that is set; some is.
+static inline uint wide_highest(const uint bits)
+{
+    return 31u - clz(bits);
+}
+
+// Tests a leaf's triangles. Returns whether the ray ends there.
+static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const int word,
+                             const float3 org, const float3 dir, const float tmin,
+                             const bool any_hit, struct passage *passage, const int mode)
+{
+    const uint first = (uint)~word >> WIDE_LEAF_BITS;
+    const uint end = first + ((uint)~word & ((1u << WIDE_LEAF_BITS) - 1u));
+    for (uint i = first; i < end; i++) {
+        __global const float4 *rows = scene->woop + (size_t)i * WIDE_BLOCK_ROWS;
+
+        // Where the ray meets the four planes. All rows are read, whether the first ones decide or
+        // not: three misses of the cache at once cost less than one after the other.
+        const float4 org_w =
+            MULADD(rows[0], (float4)org.x,
+                   MULADD(rows[1], (float4)org.y, MULADD(rows[2], (float4)org.z, rows[3])));
+        const float4 dir_w =
+            MULADD(rows[0], (float4)dir.x, MULADD(rows[1], (float4)dir.y, rows[2] * dir.z));
+        const float4 t = -org_w / dir_w;
+        const int4 near = (t > tmin) & (t < hit->t);
+
+        // And whether that is within the triangles.
+        const float4 x = MULADD(t, (float4)dir.x, (float4)org.x);
+        const float4 y = MULADD(t, (float4)dir.y, (float4)org.y);
+        const float4 z = MULADD(t, (float4)dir.z, (float4)org.z);
+        const float4 u = MULADD(rows[4], x, MULADD(rows[5], y, MULADD(rows[6], z, rows[7])));
+        const float4 v = MULADD(rows[8], x, MULADD(rows[9], y, MULADD(rows[10], z, rows[11])));
+        uint bits = wide_bits(near & (u >= 0.0f) & (v >= 0.0f) & (u + v <= 1.0f));
+        if (bits == 0)
+            continue;
+
+        // Take the nearest of those that are there.
+        float ts[WIDE_BLOCK], us[WIDE_BLOCK], vs[WIDE_BLOCK];
+        vstore4(t, 0, ts);
+        vstore4(u, 0, us);
+        vstore4(v, 0, vs);
+        for (; bits != 0; bits &= bits - 1) {
+            const uint lane = wide_lowest(bits);
+            if (!(ts[lane] < hit->t))
+                continue;
+#if ALPHA
+            const uint ref = scene->refs[WIDE_BLOCK * i + lane];
+            if ((ref & BVH_REF_ALPHA) &&
+                passage_ask(passage, mode, &scene->surface, ref & BVH_REF_TRIANGLE, us[lane],
+                            vs[lane], org, dir))
+                continue;
+#endif
+            hit->t = ts[lane];
+            hit->u = us[lane];
+            hit->v = vs[lane];
+            hit->triangle = WIDE_BLOCK * i + lane;
+            if (any_hit)
+                return true;
+        }
+    }
+    return false;
+}
+
+// Turns the number of a reference into that of its triangle: once for each ray, since it is a miss
+// of the cache.
+static inline struct hit wide_name(struct hit hit, const struct traced *scene)
+{
+    if (hit.triangle != HIT_NONE)
+        hit.triangle = scene->refs[hit.triangle] & BVH_REF_TRIANGLE;
+    return hit;
+}
+
+// Finds what the ray hits between tmin and tmax (lib/traverse.h).
+static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
+                                          const float3 org, const float3 dir, const float tmin,
+                                          const float tmax, const bool any_hit,
+                                          struct passage *passage, const int mode)
+{
+    struct hit hit; // the best so far
+    hit.t = tmax;   // shrinks with every hit
+    hit.u = 0.0f;
+    hit.v = 0.0f;
+    hit.triangle = HIT_NONE;
+
+    int words[WIDE_STACK_SIZE];    // child words yet to visit, nearer ones on top of their siblings
+    float enters[WIDE_STACK_SIZE]; // where the ray enters them
+    uint top = 0;                  // their number
+    int node = 0;                  // current child word
+
+    const float3 inverse = traverse_inverse(dir);
+    const float3 shift = -org * inverse;
+    const uint near_x = inverse.x < 0.0f ? 1 : 0; // rows that the ray meets first
+    const uint near_y = inverse.y < 0.0f ? 3 : 2;
+    const uint near_z = inverse.z < 0.0f ? 5 : 4;
+
+    for (;;) {
+        // Go down until there is a leaf.
+        while (node >= 0) {
+            __global const float8 *rows = nodes + (size_t)node * WIDE_ROWS;
+            const float8 enter =
+                max8(max8(MULADD(rows[near_x], (float8)inverse.x, (float8)shift.x),
+                          MULADD(rows[near_y], (float8)inverse.y, (float8)shift.y)),
+                     max8(MULADD(rows[near_z], (float8)inverse.z, (float8)shift.z), (float8)tmin));
+            const float8 leave = min8(
+                min8(MULADD(rows[near_x ^ 1], (float8)inverse.x, (float8)shift.x),
+                     MULADD(rows[near_y ^ 1], (float8)inverse.y, (float8)shift.y)),
+                min8(MULADD(rows[near_z ^ 1], (float8)inverse.z, (float8)shift.z), (float8)hit.t));
+            uint bits = wide_compare(enter, leave);
+            __global const int *children = (__global const int *)(rows + 6);
+            if (bits == 0)
+                goto next;
+
+            // For any hit, take the first, and keep the others in order.
+            if (any_hit) {
+                for (; (bits & (bits - 1)) != 0; bits ^= 1u << wide_highest(bits))
+                    words[top++] = children[wide_highest(bits)];
+                node = children[wide_lowest(bits)];
+                continue;
+            }
+
+            uint child = wide_lowest(bits);
+            bits &= bits - 1;
+            node = children[child];
+            if (bits == 0)
+                continue;
+
+            // Several: take the nearest, keep the others, the farther the deeper.
+            float starts[WIDE_CHILDREN];
+            vstore8(enter, 0, starts);
+            float start = starts[child];
+            const uint base = top;
+            do {
+                child = wide_lowest(bits);
+                bits &= bits - 1;
+                int word = children[child];
+                float later = starts[child];
+                if (later < start) {
+                    const int other = node;
+                    const float other_start = start;
+                    node = word;
+                    start = later;
+                    word = other;
+                    later = other_start;
+                }
+                uint place = top++;
+                for (; place > base && enters[place - 1] < later; place--) {
+                    enters[place] = enters[place - 1];
+                    words[place] = words[place - 1];
+                }
+                enters[place] = later;
+                words[place] = word;
+            } while (bits != 0);
+        }
+
+        if (wide_leaf(&hit, scene, node, org, dir, tmin, any_hit, passage, mode))
+            return wide_name(hit, scene);
+    next:
+        // Go on with what is kept, but for what lies beyond the hit.
+        do {
+            if (top == 0)
+                return wide_name(hit, scene);
+            top--;
+        } while (!any_hit && enters[top] >= hit.t);
+        node = words[top];
+    }
+}
+
+#endif

@@ -1,0 +1,383 @@
+#include "prep/sbvh_split.h"
+
+#include <string.h>
+
+#include "prep/vec3.h"
+
+#define BIN_COUNT 16 // slabs of an axis
+
+// ---- what both ways share
+
+void split_bounds(struct box *bounds, struct box *centers, const struct part_set *parts,
+                  uint32_t first, uint32_t count)
+{
+    *bounds = box_empty;
+    *centers = box_empty;
+    for (uint32_t i = first; i < first + count; i++) {
+        struct box center;
+        for (int k = 0; k < 4; k++)
+            center.lo[k] = center.hi[k] = box_center(&parts->boxes[i], k);
+        box_unite(bounds, &parts->boxes[i]);
+        box_unite(centers, &center);
+    }
+}
+
+static inline void swap_parts(struct part_set *parts, uint32_t i, uint32_t j)
+{
+    const struct box box = parts->boxes[i];
+    parts->boxes[i] = parts->boxes[j];
+    parts->boxes[j] = box;
+    const uint32_t index = parts->order[i];
+    parts->order[i] = parts->order[j];
+    parts->order[j] = index;
+}
+
+void split_move(struct part_set *parts, uint32_t from, uint32_t to, uint32_t count)
+{
+    if (from == to)
+        return;
+    memmove(&parts->boxes[to], &parts->boxes[from], count * sizeof(*parts->boxes));
+    memmove(&parts->order[to], &parts->order[from], count * sizeof(*parts->order));
+}
+
+// Bins of one axis: the boxes of what is in each, how many begin there and how many end there.
+struct bins {
+    struct box boxes[BIN_COUNT];
+    uint32_t begin[BIN_COUNT], end[BIN_COUNT];
+};
+
+static void clear_bins(struct bins *bins)
+{
+    for (int i = 0; i < BIN_COUNT; i++)
+        bins->boxes[i] = box_empty;
+    memset(bins->begin, 0, sizeof(bins->begin));
+    memset(bins->end, 0, sizeof(bins->end));
+}
+
+// The cheapest plane between bins.
+struct sweep {
+    int plane; // 0: none; left are the bins below
+    double cost;
+    struct box left, right;
+    uint32_t left_count, right_count;
+};
+
+static void sweep_bins(struct sweep *out, const struct bins *bins)
+{
+    // From the right: what lies at or beyond each plane.
+    struct box right[BIN_COUNT];
+    uint32_t right_counts[BIN_COUNT];
+    struct box box = box_empty;
+    uint32_t count = 0;
+    for (int i = BIN_COUNT - 1; i > 0; i--) {
+        box_unite(&box, &bins->boxes[i]);
+        count += bins->end[i];
+        right[i] = box;
+        right_counts[i] = count;
+    }
+
+    // From the left: add the cost of all before it.
+    *out = (struct sweep){.cost = DBL_MAX};
+    box = box_empty;
+    count = 0;
+    for (int i = 1; i < BIN_COUNT; i++) {
+        box_unite(&box, &bins->boxes[i - 1]);
+        count += bins->begin[i - 1];
+        if (count == 0 || right_counts[i] == 0 || box_is_empty(&box) || box_is_empty(&right[i]))
+            continue; // the plane does not separate
+        const double cost = count * box_half_area(box.lo, box.hi) +
+                            right_counts[i] * box_half_area(right[i].lo, right[i].hi);
+        if (cost < out->cost)
+            *out = (struct sweep){i, cost, box, right[i], count, right_counts[i]};
+    }
+}
+
+// ---- by objects
+
+static inline int bin_of(const struct box *box, int axis, float lo, float scale)
+{
+    const float place = (box_center(box, axis) - lo) * scale; // NaN if the extent overflows
+    return place < BIN_COUNT - 1 ? (int)place : BIN_COUNT - 1;
+}
+
+void split_find_object(struct object_split *out, const struct part_set *parts, uint32_t first,
+                       uint32_t count, const struct box *centers)
+{
+    struct bins bins[3];
+    float scale[3];
+    for (int axis = 0; axis < 3; axis++) {
+        // With an extent of nothing, or too little for its inverse, all goes into bin 0.
+        const float extent = centers->hi[axis] - centers->lo[axis];
+        scale[axis] = extent > FLT_MIN * 32.0f ? BIN_COUNT / extent : 0.0f;
+        clear_bins(&bins[axis]);
+    }
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct box *box = &parts->boxes[i];
+        for (int axis = 0; axis < 3; axis++) {
+            const int bin = bin_of(box, axis, centers->lo[axis], scale[axis]);
+            box_unite(&bins[axis].boxes[bin], box);
+            bins[axis].begin[bin]++;
+        }
+    }
+
+    *out = (struct object_split){.axis = -1, .cost = DBL_MAX};
+    for (int axis = 0; axis < 3; axis++) {
+        struct sweep sweep;
+        memcpy(bins[axis].end, bins[axis].begin, sizeof(bins[axis].end));
+        sweep_bins(&sweep, &bins[axis]);
+        if (sweep.cost >= out->cost)
+            continue;
+        box_intersect(&sweep.left, &sweep.right);
+        const double overlap =
+            box_is_empty(&sweep.left) ? 0.0 : box_half_area(sweep.left.lo, sweep.left.hi);
+        *out = (struct object_split){axis,        sweep.plane, centers->lo[axis],
+                                     scale[axis], sweep.cost,  overlap};
+    }
+}
+
+uint32_t split_objects(struct part_set *parts, uint32_t first, uint32_t count,
+                       const struct object_split *split)
+{
+    uint32_t i = first;
+    uint32_t end = first + count;
+    while (i < end) {
+        if (bin_of(&parts->boxes[i], split->axis, split->lo, split->scale) < split->plane)
+            i++;
+        else
+            swap_parts(parts, i, --end);
+    }
+    return i - first;
+}
+
+// ---- at the median
+
+uint32_t split_median(struct part_set *parts, uint32_t first, uint32_t count,
+                      const struct box *centers)
+{
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        if (centers->hi[k] - centers->lo[k] > centers->hi[axis] - centers->lo[axis])
+            axis = k;
+
+    // Quickselect.
+    const int64_t median = (int64_t)first + count / 2;
+    int64_t lo = first;
+    int64_t hi = lo + count - 1;
+    while (lo < hi) {
+        const float pivot = box_center(&parts->boxes[lo + (hi - lo) / 2], axis);
+        int64_t i = lo;
+        int64_t j = hi;
+        while (i <= j) {
+            while (box_center(&parts->boxes[i], axis) < pivot)
+                i++;
+            while (box_center(&parts->boxes[j], axis) > pivot)
+                j--;
+            if (i <= j)
+                swap_parts(parts, (uint32_t)i++, (uint32_t)j--);
+        }
+        if (median <= j)
+            hi = j;
+        else if (median >= i)
+            lo = i;
+        else
+            break; // all between equal the pivot
+    }
+    return count / 2;
+}
+
+// ---- in space
+
+static void load_corners(double corners[3][3], const struct part_set *parts, uint32_t index)
+{
+    const struct geometry *geometry = parts->geometry;
+    const struct triangle *triangle = &geometry->triangles[parts->refs[index].triangle];
+    vec3_position(corners[0], &geometry->vertices[triangle->v0]);
+    vec3_position(corners[1], &geometry->vertices[triangle->v1]);
+    vec3_position(corners[2], &geometry->vertices[triangle->v2]);
+}
+
+static inline void unite_point(struct box *box, const double *p)
+{
+    for (int k = 0; k < 3; k++) {
+        const float x = (float)p[k];
+        box->lo[k] = x < box->lo[k] ? x : box->lo[k];
+        box->hi[k] = x > box->hi[k] ? x : box->hi[k];
+    }
+}
+
+// Bounds a part's two pieces on both sides of a plane (Stich et al., section 4.1). Coordinates are
+// rounded to nearest: packing grows all boxes by more. One piece may be empty.
+static void cut(struct box *left, struct box *right, const struct box *part, double corners[3][3],
+                int axis, float at)
+{
+    *left = box_empty;
+    *right = box_empty;
+    for (int i = 0; i < 3; i++) {
+        const double *a = corners[i];
+        const double *b = corners[i < 2 ? i + 1 : 0];
+        if (a[axis] <= at)
+            unite_point(left, a);
+        if (a[axis] >= at)
+            unite_point(right, a);
+        if ((a[axis] < at && b[axis] > at) || (a[axis] > at && b[axis] < at)) {
+            double p[3];
+            const double t = (at - a[axis]) / (b[axis] - a[axis]);
+            for (int k = 0; k < 3; k++)
+                p[k] = a[k] + t * (b[k] - a[k]);
+            p[axis] = at;
+            unite_point(left, p);
+            unite_point(right, p);
+        }
+    }
+    box_intersect(left, part);
+    box_intersect(right, part);
+}
+
+// The slabs of a node on one axis.
+struct grid {
+    float lo, width, scale; // scale: slabs a metre; 0: none
+};
+
+static inline int slab_of(const struct grid *grid, float x)
+{
+    const float place = (x - grid->lo) * grid->scale;
+    return place < BIN_COUNT - 1 ? (int)place : BIN_COUNT - 1;
+}
+
+static inline float slab_plane(const struct grid *grid, int slab)
+{
+    return grid->lo + (float)slab * grid->width;
+}
+
+// Chops one part into the slabs that it reaches.
+static void bin_part(struct bins *bins, const struct grid *grid, const struct part_set *parts,
+                     uint32_t index, int axis)
+{
+    const struct box *box = &parts->boxes[index];
+    const int first = slab_of(grid, box->lo[axis]);
+    const int last = slab_of(grid, box->hi[axis]);
+    bins->begin[first]++;
+    bins->end[last]++;
+    if (first == last) {
+        box_unite(&bins->boxes[first], box);
+        return;
+    }
+    double corners[3][3];
+    struct box rest = *box;
+    load_corners(corners, parts, parts->order[index]);
+    for (int slab = first; slab < last; slab++) {
+        struct box left, right;
+        cut(&left, &right, &rest, corners, axis, slab_plane(grid, slab + 1));
+        if (!box_is_empty(&left))
+            box_unite(&bins->boxes[slab], &left);
+        rest = right;
+        if (box_is_empty(&rest))
+            return;
+    }
+    box_unite(&bins->boxes[last], &rest);
+}
+
+void split_find_spatial(struct spatial_split *out, const struct part_set *parts, uint32_t first,
+                        uint32_t count, const struct box *bounds)
+{
+    struct bins bins;
+    *out = (struct spatial_split){.cost = DBL_MAX};
+    for (int axis = 0; axis < 3; axis++) {
+        struct sweep sweep;
+        struct grid grid = {.lo = bounds->lo[axis]};
+        const float extent = bounds->hi[axis] - bounds->lo[axis];
+        grid.width = extent / BIN_COUNT;
+        if (!(grid.width > FLT_MIN * 32.0f && grid.lo + grid.width > grid.lo))
+            continue; // floats cannot tell the slabs apart
+        grid.scale = BIN_COUNT / extent;
+        clear_bins(&bins);
+        for (uint32_t i = first; i < first + count; i++)
+            bin_part(&bins, &grid, parts, i, axis);
+        sweep_bins(&sweep, &bins);
+        if (sweep.cost < out->cost)
+            *out = (struct spatial_split){axis,
+                                          slab_plane(&grid, sweep.plane),
+                                          sweep.cost,
+                                          sweep.left,
+                                          sweep.right,
+                                          sweep.left_count,
+                                          sweep.right_count};
+    }
+}
+
+// Half the surface of a box that holds another one, too.
+static double united_area(const struct box *box, const struct box *other)
+{
+    struct box both = *box;
+    box_unite(&both, other);
+    return box_half_area(both.lo, both.hi);
+}
+
+enum side { SIDE_LEFT, SIDE_RIGHT, SIDE_BOTH };
+
+// Decides where a part across the plane goes (Stich et al., section 4.4, reference unsplitting),
+// and counts on with that.
+static enum side place_part(struct spatial_split *s, const struct box *part)
+{
+    const double left_area = box_half_area(s->left.lo, s->left.hi);
+    const double right_area = box_half_area(s->right.lo, s->right.hi);
+    const double both = left_area * s->left_count + right_area * s->right_count;
+    const double left =
+        united_area(&s->left, part) * s->left_count + right_area * (s->right_count - 1.0);
+    const double right =
+        left_area * (s->left_count - 1.0) + united_area(&s->right, part) * s->right_count;
+    if (both < left && both < right)
+        return SIDE_BOTH;
+    if (left < right) {
+        box_unite(&s->left, part);
+        s->right_count--;
+        return SIDE_LEFT;
+    }
+    box_unite(&s->right, part);
+    s->left_count--;
+    return SIDE_RIGHT;
+}
+
+uint32_t split_spatially(uint32_t *new_count, struct part_set *parts, uint32_t first,
+                         uint32_t count, uint32_t room, const struct spatial_split *split)
+{
+    struct spatial_split s = *split;
+    const int axis = s.axis;
+    uint32_t i = first;
+    uint32_t end = first + count; // where the right ones begin
+    uint32_t top = end;           // past the last
+    while (i < end) {
+        struct box *box = &parts->boxes[i];
+        enum side side = SIDE_BOTH;
+        if (box->hi[axis] <= s.at)
+            side = SIDE_LEFT;
+        else if (box->lo[axis] >= s.at)
+            side = SIDE_RIGHT;
+        else
+            side = place_part(&s, box);
+
+        // Cut it, if there is room, and both sides get something.
+        if (side == SIDE_BOTH) {
+            double corners[3][3];
+            struct box left, right;
+            load_corners(corners, parts, parts->order[i]);
+            cut(&left, &right, box, corners, axis, s.at);
+            if (box_is_empty(&right)) {
+                side = SIDE_LEFT;
+            } else if (box_is_empty(&left) || top == first + room) {
+                side = SIDE_RIGHT;
+            } else {
+                parts->boxes[top] = right;
+                parts->order[top++] = parts->order[i];
+                *box = left;
+                side = SIDE_LEFT;
+            }
+        }
+        if (side == SIDE_LEFT)
+            i++;
+        else
+            swap_parts(parts, i, --end);
+    }
+    *new_count = top - first;
+    return i - first;
+}
