@@ -7,7 +7,7 @@
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
 // section 3.3), else all hits of the queue at once, with texels from the pool; NORMAL_MAPS; LAYERS
-// (lib/layers.h); BRDF_PHONG; LIGHT_SAMPLER.
+// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER.
 
 #if TEXTURES_BOUND
 #define TEXTURE_IMAGES 1
@@ -122,6 +122,14 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __read_only image2d_t transmission_image, __read_only image2d_t diffuse_transmission_image,
     __read_only image2d_t diffuse_transmission_color_image, __read_only image2d_t coat_image,
     __read_only image2d_t coat_roughness_image
+#if NORMAL_MAPS
+    ,
+    __read_only image2d_t coat_normal_image
+#endif
+#endif
+#if SHEEN_LOBE
+    ,
+    __read_only image2d_t sheen_color_image, __read_only image2d_t sheen_roughness_image
 #endif
 #else
     __global const uint *restrict texels
@@ -186,6 +194,16 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
         values.coat = texture_fetch(coat_image, &material->textures[TEXTURE_COAT], uv);
         values.coat_roughness =
             texture_fetch(coat_roughness_image, &material->textures[TEXTURE_COAT_ROUGHNESS], uv);
+#if NORMAL_MAPS
+        values.coat_normal =
+            texture_fetch(coat_normal_image, &material->textures[TEXTURE_COAT_NORMAL], uv);
+#endif
+#endif
+#if SHEEN_LOBE
+        values.sheen_color =
+            texture_fetch(sheen_color_image, &material->textures[TEXTURE_SHEEN_COLOR], uv);
+        values.sheen_roughness =
+            texture_fetch(sheen_roughness_image, &material->textures[TEXTURE_SHEEN_ROUGHNESS], uv);
 #endif
 #else
         values.base = texture_fetch(texels, &material->textures[TEXTURE_BASE], uv);
@@ -248,23 +266,28 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             b.normal = dot(normal, b.view) > 1e-4f ? normal : geometric;
 #if LAYERS
             const float3 smooth_normal = b.normal;
+            float3 coat_normal = smooth_normal;
+#if NORMAL_MAPS
+            if (flags & MATERIAL_COAT_NORMAL_MAP)
+                coat_normal =
+                    normal_map_apply(&b, material->coat_normal_scale, values.coat_normal.xyz, front,
+                                     tangents, tri, hit.u, hit.v);
+#endif
 #endif
 #if NORMAL_MAPS
             if ((flags & MATERIAL_NORMAL_MAP) && !measures)
-                b.normal = normal_map_apply(&b, material, values.normal.xyz, front, tangents, tri,
-                                            hit.u, hit.v);
+                b.normal = normal_map_apply(&b, material->normal_scale, values.normal.xyz, front,
+                                            tangents, tri, hit.u, hit.v);
 #endif
 
             material_bsdf(&b, material, &values, color);
-#if NORMAL_MAPS
-            if ((flags & MATERIAL_NORMAL_MAP) && luminance(b.f0) > luminance(b.diffuse))
-                b.normal = normal_map_bend(&b);
-#endif
+            if (luminance(b.f0) > luminance(b.diffuse))
+                b.normal = bsdf_bend_normal(&b);
             if (measures)
                 material_measure_irradiance(&b);
 #if LAYERS
             else if (flags & MATERIAL_LAYERED)
-                throughput *= layer_choose(&b, material, &values, color, smooth_normal,
+                throughput *= layer_choose(&b, material, &values, color, smooth_normal, coat_normal,
                                            material_number(settings, batch, slot, bounce));
 #endif
             const float3 start = surface_offset(p, b.geometric);

@@ -286,6 +286,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
     options.environment = r->scene.map.width > 0;
     options.normal_maps = r->scene.normal_maps;
     options.layers = r->scene.layers;
+    options.sheen = r->scene.sheen;
     if (status == STATUS_OK)
         status = pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options);
     if (status == STATUS_OK)

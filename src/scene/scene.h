@@ -74,6 +74,12 @@ struct scene_material {
     struct scene_texture_use diffuse_transmission_color_texture; // sRGB
     struct scene_texture_use coat_texture;                       // r
     struct scene_texture_use coat_roughness_texture;             // g
+    struct scene_texture_use coat_normal_texture;                // tangent space
+    float coat_normal_scale;                                     // of its x and y
+    float sheen_color[3];                                        // KHR_materials_sheen, 0 .. 1
+    float sheen_roughness;                                       // 0 .. 1
+    struct scene_texture_use sheen_color_texture;                // sRGB
+    struct scene_texture_use sheen_roughness_texture;            // a
 };
 
 /** One triangle list in its own space. Attributes that the file lacks are NULL, but normals are
