@@ -214,7 +214,8 @@ struct lk_settings {
     const char *env;        // lat-long image that lights the scene, HDR or EXR; its middle looks
                             // along -Z, +X is to the right of that; NULL: none
     float env_rotation_deg; // of that image about +Y, counter-clockwise from above; default 0
-    float env_strength;     // factor of that image, or of sky and sun; default 1
+    float env_strength;     // factor of that image, or of sky and sun; default 1. Both are applied
+                            // to the scene's own image, if it has one, where none is asked for
     float background[3];    // radiance from all around, cd/m2; default 0, 0, 0
     float sky_sun_deg[2];   // azimuth (0 is -Z, 90 is +X) and elevation, up to 90, of the sun of
                             // a clear sky; elevation 0: no sky. Of env, background and sky at

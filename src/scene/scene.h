@@ -139,6 +139,13 @@ struct scene_camera {
                          // reader
 };
 
+/** What lights the scene from far away: a lat-long image, cd/m2, placed as
+ * shared/environment.h says. */
+struct scene_environment {
+    uint32_t width, height; // texels; 0 if the file gives none
+    float *rgb;             // [width * height * 3], rows from the top
+};
+
 struct scene {
     struct arena arena; // owns all below
     const char *file;
@@ -150,6 +157,7 @@ struct scene {
     struct scene_instance *instances;
     struct scene_light *lights;
     struct scene_camera *cameras;
+    struct scene_environment environment; // EXT_lights_image_based
     uint32_t image_count, texture_count, material_count, mesh_count, instance_count, light_count,
         camera_count;
 };
