@@ -19,7 +19,7 @@ static inline struct bsdf bsdf_of_case(__global const struct bsdf_case *c)
     b.geometric = c->geometric.xyz;
     b.view = c->view.xyz;
     material_bsdf(&b, &c->material, &white, (float4)(1.0f));
-#if SHEEN_LOBE
+#if LAYERS && SHEEN_LOBE
     white.sheen_roughness = (float4)(1.0f);
     layer_clear(&b);
     b.alpha = -surface_sheen_roughness(&c->material, &white);

@@ -359,6 +359,26 @@ static void what_is_asked_for_replaces_the_files_own(void **state)
     lk_scene_free(scene);
 }
 
+// The memory table holds the environment: 24 bytes a texel.
+static void info_counts_the_environment(void **state)
+{
+    (void)state;
+    const double dir[3] = {0, 0, -1};
+    struct lk_scene *plane = make_plane();
+    struct lk_scene *cube = make_cube(dir, "");
+    struct lk_settings settings = test_settings(8, 8, 1);
+    struct lk_scene_info info;
+    assert_int_equal(lk_scene_info(&info, plane, &settings), LK_OK);
+    const uint64_t without = info.memory.lights;
+    assert_int_equal(lk_scene_info(&info, cube, &settings), LK_OK);
+    assert_int_equal(info.memory.lights - without, 24 * 4 * FACE * 2 * FACE);
+    set_background(&settings, 1.0f);
+    assert_int_equal(lk_scene_info(&info, plane, &settings), LK_OK);
+    assert_int_equal(info.memory.lights - without, 24);
+    lk_scene_free(plane);
+    lk_scene_free(cube);
+}
+
 // ---- Refusals
 
 static void settings_that_make_no_environment_are_refused(void **state)
@@ -397,6 +417,7 @@ int main(void)
         cmocka_unit_test(the_sun_of_a_sky_shines_from_where_it_is),
         cmocka_unit_test(a_files_cube_is_seen_from_within),
         cmocka_unit_test(what_is_asked_for_replaces_the_files_own),
+        cmocka_unit_test(info_counts_the_environment),
         cmocka_unit_test(settings_that_make_no_environment_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
