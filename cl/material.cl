@@ -17,8 +17,8 @@
 #include "lib/layers.h"
 #include "lib/light_sampler.h"
 #include "lib/normal_map.h"
+#include "lib/samples.h"
 #include "shared/ray.h"
-#include "shared/rng.h"
 
 #ifndef WG_MATERIAL
 #define WG_MATERIAL 64 // work items in a group
@@ -84,13 +84,13 @@ static inline void material_measure_irradiance(struct bsdf *b)
 
 #if LAYERS
 // A uniform number of the path's own, for choosing a layer.
-static inline float material_number(__constant struct settings *settings, const struct batch batch,
+static inline float material_number(__constant struct settings *settings,
+                                    __global const uint4 *restrict points, const struct batch batch,
                                     const uint slot, const uint bounce)
 {
     const struct path_place place = batch_place(batch, slot);
     return rng_unit(
-        rng_bits(settings->seed, place.pixel, place.sample, rng_dimension(bounce, RNG_USE_BSDF, 1))
-            .x);
+        samples_draw(settings, points, place.pixel, place.sample, bounce, RNG_USE_LAYER, 0).x);
 }
 #endif
 
@@ -104,7 +104,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
     __global struct ray *restrict rays, __global struct path *restrict paths,
-    __global struct shade *restrict shades,
+    __global struct shade *restrict shades, __global const uint4 *restrict points,
 #if NORMAL_MAPS
     __global const uint *restrict tangents,
 #endif
@@ -288,7 +288,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #if LAYERS
             else if (flags & MATERIAL_LAYERED)
                 throughput *= layer_choose(&b, material, &values, color, smooth_normal, coat_normal,
-                                           material_number(settings, batch, slot, bounce));
+                                           material_number(settings, points, batch, slot, bounce));
 #endif
             const float3 start = surface_offset(p, b.geometric);
 
@@ -300,8 +300,8 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             bsdf_store(&shades[slot], &b, start, throughput, shade_flags);
             if (bounces) {
                 const struct path_place place = batch_place(batch, slot);
-                const uint4 bits = rng_bits(settings->seed, place.pixel, place.sample,
-                                            rng_dimension(bounce, RNG_USE_BSDF, 0));
+                const uint4 bits = samples_draw(settings, points, place.pixel, place.sample, bounce,
+                                                RNG_USE_BSDF, 0);
                 const struct bsdf_sample sampled =
                     bsdf_sample(&b, (float3)(rng_unit(bits.x), rng_unit(bits.y), rng_unit(bits.z)));
                 throughput *= sampled.weight;

@@ -175,6 +175,11 @@ enum lk_light_sampler {
     LK_LIGHTS_IMPORTANCE // by estimated contribution (Conty Estevez and Kulla 2018)
 };
 
+enum lk_sampler {
+    LK_SAMPLER_SOBOL, // spread evenly among each other: Owen-scrambled Sobol points
+    LK_SAMPLER_RANDOM // independent
+};
+
 enum lk_trace {
     LK_TRACE_AUTO,
     LK_TRACE_SIMPLE,    // one ray a work item
@@ -209,6 +214,7 @@ struct lk_settings {
     uint32_t depth;         // shaded hits of a path, 1 .. 255; default 5
     uint32_t shadow_rays;   // light-tree shadow rays per hit, 1 .. 64; default 1
     enum lk_light_sampler light_sampler;
+    enum lk_sampler sampler; // how samples of a pixel are spread
     enum lk_quantity quantity;
     enum lk_brdf brdf;
     const char *env;        // lat-long image that lights the scene, HDR or EXR; its middle looks

@@ -54,6 +54,7 @@ const struct option option_table[] = {
     {"shadow-rays", 0, BOTH, "N", "shadow rays per hit towards drawn lights", NULL, UINT(settings.shadow_rays, 1, 64)},
     {"light-sampler", 0, RENDER | INFO, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
     {"brdf", 0, BOTH, NULL, "metallic-roughness, or diffuse + Phong lobe", NULL, CHOICE(settings.brdf, choices_brdf)},
+    {"sampler", 0, RENDER, NULL, "how samples of a pixel are spread", NULL, CHOICE(settings.sampler, choices_sampler)},
     {"seed", 0, BOTH, "N", "another seed gives other noise", NULL, UINT(settings.seed, 0, UINT32_MAX)},
 
     HEADING(SIZED, "Surroundings (at most one of --env, --sky and --background)"),

@@ -20,7 +20,7 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
         ARG_BUFFER(&scene->shapes),       ARG_BUFFER(&scene->light_nodes),
         ARG_BUFFER(stage_queue(context)), ARG_BUFFER(&w->hits),
         ARG_BUFFER(&w->shades),           ARG_BUFFER(&w->paths),
-        ARG_BUFFER(&w->counters),
+        ARG_BUFFER(&w->counters),         ARG_BUFFER(&w->points),
     };
     return kernel_enqueue(context->gpu, &direct->kernel, args, sizeof(args) / sizeof(args[0]),
                           stage_trace_items(context, &direct->kernel));

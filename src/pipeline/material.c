@@ -65,8 +65,9 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&w->rays),
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->shades),
+        ARG_BUFFER(&w->points),
     };
-    size_t shared_count = 19; // arguments that every variant takes
+    size_t shared_count = 20; // arguments that every variant takes
     if (material->normal_maps)
         args[shared_count++] = (struct kernel_arg)ARG_BUFFER(&scene->tangents);
     if (material->textures_bound)

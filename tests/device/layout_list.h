@@ -82,7 +82,7 @@
     M(settings, seed) M(settings, depth) M(settings, shadow_rays) M(settings, quantity)            \
     M(settings, light_count) M(settings, directional_count) M(settings, material_count)            \
     M(settings, emitter_count)                                                                     \
-    M(settings, pad0) M(settings, pad1) M(settings, pad2) M(settings, pad3)
+    M(settings, point_shift) M(settings, pad0) M(settings, pad1) M(settings, pad2)
 // clang-format on
 
 #endif
