@@ -9,10 +9,26 @@
 #include "lib/bsdf.h"
 #include "lib/light_sampler.h"
 #include "lib/queue.h"
+#include "lib/samples.h"
 #include "lib/traverse.h"
-#include "shared/rng.h"
 
 #define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
+
+// The numbers of shadow ray k. Rays that draw from all lights share one sequence; where there is
+// one to each light, each has its own.
+static inline uint4 light_numbers(__constant struct settings *settings,
+                                  __global const uint4 *restrict points,
+                                  const struct path_place place, const uint bounce, const uint k)
+{
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_ALL
+    const uint number = place.sample;
+    const uint index = k;
+#else
+    const uint number = place.sample * settings->shadow_rays + k;
+    const uint index = 0;
+#endif
+    return samples_draw(settings, points, place.pixel, number, bounce, RNG_USE_LIGHT, index);
+}
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     TRACED_PARAMETERS, __constant struct settings *settings, const struct batch batch,
@@ -20,7 +36,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict queue, __global const struct hit *restrict hits,
     __global const struct shade *restrict shades, __global struct path *restrict paths,
-    __global struct counters *counters)
+    __global struct counters *counters, __global const uint4 *restrict points)
 {
     TRACED_SCENE(scene);
     const uint ray_count = light_ray_count(settings);
@@ -42,8 +58,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
         float3 sum = (float3)(0.0f); // over the shadow rays
         for (uint k = 0; k < ray_count; k++) {
             // Draw a light.
-            const uint4 bits = rng_bits(settings->seed, place.pixel, place.sample,
-                                        rng_dimension(bounce, RNG_USE_LIGHT, k));
+            const uint4 bits = light_numbers(settings, points, place, bounce, k);
             float expected; // times this hit takes this light, on average
             const uint light = light_draw(&expected, settings, light_nodes, p, b.normal, k, bits.x);
             if (light == EMITTER_NONE)

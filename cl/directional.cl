@@ -10,6 +10,7 @@
 #include "lib/bsdf.h"
 #include "lib/environment.h"
 #include "lib/queue.h"
+#include "lib/samples.h"
 #include "lib/traverse.h"
 #include "shared/light.h"
 #include "shared/settings.h"
@@ -46,7 +47,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     ,
     const struct batch batch, const struct environment_map map,
     __global const float4 *restrict map_texels,
-    __global const struct environment_alias *restrict map_alias
+    __global const struct environment_alias *restrict map_alias,
+    __global const uint4 *restrict points
 #endif
 )
 {
@@ -77,8 +79,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
         }
 #if ENV_MAP
         const struct path_place place = batch_place(batch, slot);
-        const uint4 bits = rng_bits(settings->seed, place.pixel, place.sample,
-                                    rng_dimension(bounce, RNG_USE_LIGHT, RNG_ENVIRONMENT));
+        const uint4 bits = samples_draw(settings, points, place.pixel, place.sample, bounce,
+                                        RNG_USE_ENVIRONMENT, 0);
         float3 dir;
         const float3 value = directional_draw(&dir, &b, map, map_texels, map_alias,
                                               (shades[slot].flags & SHADE_NO_BOUNCE) != 0, bits);

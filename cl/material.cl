@@ -7,7 +7,7 @@
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
 // section 3.3), else all hits of the queue at once, with texels from the pool; NORMAL_MAPS; LAYERS
-// (lib/layers.h); BRDF_PHONG; LIGHT_SAMPLER.
+// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER.
 
 #if TEXTURES_BOUND
 #define TEXTURE_IMAGES 1
@@ -18,8 +18,8 @@
 #include "lib/light_sampler.h"
 #include "lib/normal_map.h"
 #include "lib/prefetch.h"
+#include "lib/samples.h"
 #include "shared/ray.h"
-#include "shared/rng.h"
 
 #ifndef WG_MATERIAL
 #define WG_MATERIAL 64 // work items in a group
@@ -85,13 +85,13 @@ static inline void material_measure_irradiance(struct bsdf *b)
 
 #if LAYERS
 // A uniform number of the path's own, for choosing a layer.
-static inline float material_number(__constant struct settings *settings, const struct batch batch,
+static inline float material_number(__constant struct settings *settings,
+                                    __global const uint4 *restrict points, const struct batch batch,
                                     const uint slot, const uint bounce)
 {
     const struct path_place place = batch_place(batch, slot);
     return rng_unit(
-        rng_bits(settings->seed, place.pixel, place.sample, rng_dimension(bounce, RNG_USE_BSDF, 1))
-            .x);
+        samples_draw(settings, points, place.pixel, place.sample, bounce, RNG_USE_LAYER, 0).x);
 }
 #endif
 
@@ -145,7 +145,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
     __global struct ray *restrict rays, __global struct path *restrict paths,
-    __global struct shade *restrict shades,
+    __global struct shade *restrict shades, __global const uint4 *restrict points,
 #if NORMAL_MAPS
     __global const uint *restrict tangents,
 #endif
@@ -163,6 +163,14 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __read_only image2d_t transmission_image, __read_only image2d_t diffuse_transmission_image,
     __read_only image2d_t diffuse_transmission_color_image, __read_only image2d_t coat_image,
     __read_only image2d_t coat_roughness_image
+#if NORMAL_MAPS
+    ,
+    __read_only image2d_t coat_normal_image
+#endif
+#endif
+#if SHEEN_LOBE
+    ,
+    __read_only image2d_t sheen_color_image, __read_only image2d_t sheen_roughness_image
 #endif
 #else
     __global const uint *restrict texels
@@ -230,6 +238,16 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
         values.coat = texture_fetch(coat_image, &material->textures[TEXTURE_COAT], uv);
         values.coat_roughness =
             texture_fetch(coat_roughness_image, &material->textures[TEXTURE_COAT_ROUGHNESS], uv);
+#if NORMAL_MAPS
+        values.coat_normal =
+            texture_fetch(coat_normal_image, &material->textures[TEXTURE_COAT_NORMAL], uv);
+#endif
+#endif
+#if SHEEN_LOBE
+        values.sheen_color =
+            texture_fetch(sheen_color_image, &material->textures[TEXTURE_SHEEN_COLOR], uv);
+        values.sheen_roughness =
+            texture_fetch(sheen_roughness_image, &material->textures[TEXTURE_SHEEN_ROUGHNESS], uv);
 #endif
 #else
         values.base = texture_fetch(texels, &material->textures[TEXTURE_BASE], uv);
@@ -292,24 +310,29 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             b.normal = dot(normal, b.view) > 1e-4f ? normal : geometric;
 #if LAYERS
             const float3 smooth_normal = b.normal;
+            float3 coat_normal = smooth_normal;
+#if NORMAL_MAPS
+            if (flags & MATERIAL_COAT_NORMAL_MAP)
+                coat_normal =
+                    normal_map_apply(&b, material->coat_normal_scale, values.coat_normal.xyz, front,
+                                     tangents, tri, hit.u, hit.v);
+#endif
 #endif
 #if NORMAL_MAPS
             if ((flags & MATERIAL_NORMAL_MAP) && !measures)
-                b.normal = normal_map_apply(&b, material, values.normal.xyz, front, tangents, tri,
-                                            hit.u, hit.v);
+                b.normal = normal_map_apply(&b, material->normal_scale, values.normal.xyz, front,
+                                            tangents, tri, hit.u, hit.v);
 #endif
 
             material_bsdf(&b, material, &values, color);
-#if NORMAL_MAPS
-            if ((flags & MATERIAL_NORMAL_MAP) && luminance(b.f0) > luminance(b.diffuse))
-                b.normal = normal_map_bend(&b);
-#endif
+            if (luminance(b.f0) > luminance(b.diffuse))
+                b.normal = bsdf_bend_normal(&b);
             if (measures)
                 material_measure_irradiance(&b);
 #if LAYERS
             else if (flags & MATERIAL_LAYERED)
-                throughput *= layer_choose(&b, material, &values, color, smooth_normal,
-                                           material_number(settings, batch, slot, bounce));
+                throughput *= layer_choose(&b, material, &values, color, smooth_normal, coat_normal,
+                                           material_number(settings, points, batch, slot, bounce));
 #endif
             const float3 start = surface_offset(p, b.geometric);
 
@@ -321,8 +344,8 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             bsdf_store(&shades[slot], &b, start, throughput, shade_flags);
             if (bounces) {
                 const struct path_place place = batch_place(batch, slot);
-                const uint4 bits = rng_bits(settings->seed, place.pixel, place.sample,
-                                            rng_dimension(bounce, RNG_USE_BSDF, 0));
+                const uint4 bits = samples_draw(settings, points, place.pixel, place.sample, bounce,
+                                                RNG_USE_BSDF, 0);
                 const struct bsdf_sample sampled =
                     bsdf_sample(&b, (float3)(rng_unit(bits.x), rng_unit(bits.y), rng_unit(bits.z)));
                 throughput *= sampled.weight;

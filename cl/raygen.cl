@@ -1,15 +1,14 @@
 // Stage 1, raygen: one camera ray for each path of the batch, in Z-order.
 //
-//   in    camera, batch
+//   in    camera, batch, points
 //   out   rays, paths, queue[0 .. batch.count), counters of all bounces
 //   next  trace
 
 #include "lib/math.h"
+#include "lib/samples.h"
 #include "shared/camera.h"
 #include "shared/path.h"
 #include "shared/ray.h"
-#include "shared/rng.h"
-#include "shared/settings.h"
 #include "shared/zorder.h"
 
 #ifndef WG_RAYGEN
@@ -20,7 +19,7 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
     __constant struct settings *settings, __constant struct camera *camera,
     const struct batch batch, const uint bounce_count, __global struct ray *restrict rays,
     __global struct path *restrict paths, __global uint *restrict queue,
-    __global struct counters *restrict counters)
+    __global struct counters *restrict counters, __global const uint4 *restrict points)
 {
     const uint slot = get_global_id(0);
 
@@ -44,9 +43,9 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
     const struct path_place place = batch_place(batch, slot);
     const uint pixel = zorder_pixel(place.pixel, camera->width, camera->height);
     const uint4 bits =
-        rng_bits(settings->seed, place.pixel, place.sample, rng_dimension(0, RNG_USE_CAMERA, 0));
-    const float x = (float)(pixel % camera->width) + rng_unit(bits.x);
-    const float y = (float)(pixel / camera->width) + rng_unit(bits.y);
+        samples_draw(settings, points, place.pixel, place.sample, 0, RNG_USE_CAMERA, 0);
+    const float x = (float)(pixel % camera->width) + rng_unit(bits.y);
+    const float y = (float)(pixel / camera->width) + rng_unit(bits.z);
 
     // Aim from the eye through it, or along the view from it.
     const float3 point = camera->corner.xyz + x * camera->right.xyz + y * camera->down.xyz;

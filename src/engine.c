@@ -11,12 +11,15 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "prep/camera.h"
+#include "prep/samples.h"
 #include "prepare.h"
 #include "render.h"
 #include "scene/gltf_import.h"
 #include "settings.h"
 
 #define QUEUE_MIN 1024u // paths; below it launches cost more than they do
+// Log2 of the points of a block: 1024 are 340 KB for a depth of 5.
+#define POINT_SHIFT 10u
 
 // ---- Scenes
 
@@ -54,9 +57,23 @@ const char *lk_scene_camera(const struct lk_scene *scene, size_t index)
     return camera->name[0] != '\0' ? camera->name : camera->node_name;
 }
 
+// What the kernels are told of the settings; what they are told of the scene is left 0.
+static struct settings kernel_settings(const struct lk_settings *s)
+{
+    const struct settings out = {
+        .seed = s->seed,
+        .depth = s->quantity == LK_DIRECT ? 1 : s->depth,
+        .shadow_rays = s->shadow_rays,
+        .quantity = s->quantity == LK_IRRADIANCE ? QUANTITY_IRRADIANCE : QUANTITY_RADIANCE,
+        .point_shift = s->sampler == LK_SAMPLER_SOBOL ? POINT_SHIFT : 0,
+    };
+    return out;
+}
+
 // Counts what a prepared scene holds; rays and film for this camera and queue.
 static void describe_scene(struct lk_scene_info *out, const struct lk_scene *scene,
-                           const struct camera *camera, uint64_t capacity, bool textures_bound)
+                           const struct camera *camera, const struct settings *settings,
+                           uint64_t capacity, bool textures_bound)
 {
     const struct prepared *p = &scene->prepared;
     const struct upload_source source = prepared_source(scene);
@@ -83,7 +100,8 @@ static void describe_scene(struct lk_scene_info *out, const struct lk_scene *sce
                    .geometry = sizes.geometry,
                    .materials = sizes.materials,
                    .lights = sizes.lights,
-                   .rays = capacity * wavefront_path_size(textures_bound),
+                   .rays = capacity * wavefront_path_size(textures_bound) +
+                           wavefront_points_size(settings),
                    .film = (uint64_t)camera->width * camera->height * film_pixel_size(),
                    .peak_host = (uint64_t)usage.ru_maxrss * 1024},
         .width = camera->width,
@@ -126,7 +144,8 @@ enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
     const uint64_t pixels = (uint64_t)camera.width * camera.height;
     const uint64_t capacity = queue_capacity(
         settings, &camera, pixels < SETTINGS_QUEUE_GPU ? pixels : SETTINGS_QUEUE_GPU);
-    describe_scene(out, scene, &camera, capacity, settings->textures == LK_TEXTURES_BOUND);
+    const struct settings told = kernel_settings(&chosen);
+    describe_scene(out, scene, &camera, &told, capacity, settings->textures == LK_TEXTURES_BOUND);
     return LK_OK;
 }
 
@@ -197,14 +216,15 @@ static enum status plan_memory(struct lk_render_info *info, const struct lk_scen
 {
     struct lk_settings *settings = &info->settings;
     const bool bound = settings->textures == LK_TEXTURES_BOUND;
+    const struct settings told = kernel_settings(settings);
     uint64_t capacity = queue_capacity(settings, &r->camera, settings->queue);
     const uint64_t longest = r->gpu.info.max_allocation / sizeof(struct shade);
     if (capacity > longest)
         capacity = longest;
-    describe_scene(&info->scene, scene, &r->camera, capacity, bound);
+    describe_scene(&info->scene, scene, &r->camera, &told, capacity, bound);
     while (info->scene.memory.total_device > settings->memory_limit && capacity > QUEUE_MIN) {
         capacity = capacity / 2 > QUEUE_MIN ? capacity / 2 : QUEUE_MIN;
-        describe_scene(&info->scene, scene, &r->camera, capacity, bound);
+        describe_scene(&info->scene, scene, &r->camera, &told, capacity, bound);
     }
     if (info->scene.memory.total_device > settings->memory_limit)
         return fail_memory(&info->scene.memory, settings->memory_limit);
@@ -215,21 +235,17 @@ static enum status plan_memory(struct lk_render_info *info, const struct lk_scen
     return STATUS_OK;
 }
 
-// What the kernels are told of the settings.
-static struct settings kernel_settings(const struct lk_settings *s,
-                                       const struct device_scene *scene)
+// Makes the points of samples, and the buffers of the paths in flight.
+static enum status create_wavefront(struct renderer *r, const struct lk_settings *settings)
 {
-    const struct settings out = {
-        .seed = s->seed,
-        .depth = s->quantity == LK_DIRECT ? 1 : s->depth,
-        .shadow_rays = s->shadow_rays,
-        .quantity = s->quantity == LK_IRRADIANCE ? QUANTITY_IRRADIANCE : QUANTITY_RADIANCE,
-        .light_count = scene->light_count,
-        .directional_count = scene->directional_count,
-        .material_count = scene->material_count,
-        .emitter_count = scene->emitter_count,
-    };
-    return out;
+    uint4 *points = NULL;
+    enum status status =
+        samples_build(&points, settings->seed, r->settings.depth, r->settings.point_shift);
+    if (status == STATUS_OK)
+        status = wavefront_create(&r->wavefront, &r->gpu, settings->queue, &r->settings, &r->camera,
+                                  points, settings->textures == LK_TEXTURES_BOUND);
+    free(points);
+    return status;
 }
 
 // Uploads the scene, builds the kernels and makes the buffers.
@@ -252,9 +268,12 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
         upload(&r->scene, &r->gpu, &source, options.nodes_image, options.textures_bound);
     if (status != STATUS_OK)
         return status;
-    r->settings = kernel_settings(settings, &r->scene);
-    status = wavefront_create(&r->wavefront, &r->gpu, settings->queue, &r->settings, &r->camera,
-                              options.textures_bound);
+    r->settings = kernel_settings(settings);
+    r->settings.light_count = r->scene.light_count;
+    r->settings.directional_count = r->scene.directional_count;
+    r->settings.material_count = r->scene.material_count;
+    r->settings.emitter_count = r->scene.emitter_count;
+    status = create_wavefront(r, settings);
     info->time_s.upload = clock_seconds() - start;
 
     start = clock_seconds();
@@ -262,6 +281,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
     options.environment = r->scene.map.width > 0;
     options.normal_maps = r->scene.normal_maps;
     options.layers = r->scene.layers;
+    options.sheen = r->scene.sheen;
     if (status == STATUS_OK)
         status = pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options);
     if (status == STATUS_OK)

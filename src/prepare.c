@@ -111,13 +111,13 @@ static bool is_same_request(const struct environment_request *a,
 {
     const bool same_path =
         a->path == b->path || (a->path != NULL && b->path != NULL && strcmp(a->path, b->path) == 0);
-    return same_path && a->rotation_deg == b->rotation_deg && a->strength == b->strength &&
-           a->sky_azimuth_deg == b->sky_azimuth_deg &&
+    return same_path && a->own == b->own && a->rotation_deg == b->rotation_deg &&
+           a->strength == b->strength && a->sky_azimuth_deg == b->sky_azimuth_deg &&
            a->sky_elevation_deg == b->sky_elevation_deg && a->sky_turbidity == b->sky_turbidity &&
            memcmp(a->background, b->background, sizeof(a->background)) == 0;
 }
 
-static enum status prepare_surroundings(struct surroundings *old,
+static enum status prepare_surroundings(struct surroundings *old, const struct scene *scene,
                                         const struct lk_settings *settings)
 {
     const double start = clock_seconds();
@@ -127,7 +127,8 @@ static enum status prepare_surroundings(struct surroundings *old,
                     .strength = settings->env_strength,
                     .sky_azimuth_deg = settings->sky_sun_deg[0],
                     .sky_elevation_deg = settings->sky_sun_deg[1],
-                    .sky_turbidity = settings->sky_turbidity},
+                    .sky_turbidity = settings->sky_turbidity,
+                    .own = &scene->environment},
     };
     memcpy(made.request.background, settings->background, sizeof(made.request.background));
     if (is_same_request(&made.request, &old->request))
@@ -152,7 +153,7 @@ void surroundings_free(struct surroundings *surroundings)
 enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings)
 {
     struct prepared *p = &scene->prepared;
-    enum status status = prepare_surroundings(&scene->surroundings, settings);
+    enum status status = prepare_surroundings(&scene->surroundings, &scene->scene, settings);
     if (status == STATUS_OK)
         status = prepare_geometry(scene);
     if (status == STATUS_OK)

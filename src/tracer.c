@@ -7,6 +7,7 @@
 #include "engine.h"
 #include "pipeline/stages.h"
 #include "prep/camera.h"
+#include "prep/samples.h"
 #include "prepare.h"
 #include "settings.h"
 #include "shared/ray.h"
@@ -118,10 +119,14 @@ static enum status set_up(struct lk_tracer *t, struct lk_scene *scene)
         .no_cache = s->no_cache,
     };
     uint32_t built = 0;
-    enum status status = upload_solid(t, scene, options.nodes_image);
+    uint4 *points = NULL; // random: point_shift is 0
+    enum status status = samples_build(&points, s->seed, BOUNCES, settings.point_shift);
+    if (status == STATUS_OK)
+        status = upload_solid(t, scene, options.nodes_image);
     if (status == STATUS_OK)
         status = wavefront_create(&t->wavefront, &t->gpu, t->info.width * t->info.height, &settings,
-                                  &t->camera, false);
+                                  &t->camera, points, false);
+    free(points);
     if (status == STATUS_OK)
         status = raygen_build(&t->raygen, &t->gpu, &options, &built);
     if (status == STATUS_OK)

@@ -92,7 +92,8 @@ static void write_base64(FILE *file, const uint8_t *bytes, size_t size)
     }
 }
 
-int gltf_texture(struct gltf_writer *writer, const uint8_t *rgba, uint32_t width, uint32_t height)
+static int add_image(struct gltf_writer *writer, const uint8_t *rgba, uint32_t width,
+                     uint32_t height)
 {
     size_t size = 0;
     uint8_t *bytes = png_encode(&size, rgba, width, height);
@@ -102,8 +103,13 @@ int gltf_texture(struct gltf_writer *writer, const uint8_t *rgba, uint32_t width
     write_base64(file, bytes, size);
     fputs("\"}", file);
     free(bytes);
-    fprintf(next_element(&writer->textures), "{\"source\":%d,\"sampler\":0}",
-            writer->images.count - 1);
+    return writer->images.count - 1;
+}
+
+int gltf_texture(struct gltf_writer *writer, const uint8_t *rgba, uint32_t width, uint32_t height)
+{
+    const int image = add_image(writer, rgba, width, height);
+    fprintf(next_element(&writer->textures), "{\"source\":%d,\"sampler\":0}", image);
     return writer->textures.count - 1;
 }
 
@@ -285,6 +291,18 @@ void gltf_camera_flat(struct gltf_writer *writer, const char *name, const float 
     add_camera_node(writer, eye, target);
 }
 
+void gltf_image_light(struct gltf_writer *writer, const uint8_t *const faces[6], uint32_t size,
+                      const char *members)
+{
+    int first = 0;
+    for (int i = 0; i < 6; i++)
+        first = add_image(writer, faces[i], size, size) - i;
+    fprintf(next_element(&writer->image_lights),
+            "{\"specularImageSize\":%u,\"specularImages\":[[%d,%d,%d,%d,%d,%d]],"
+            "\"irradianceCoefficients\":[]%s}",
+            size, first, first + 1, first + 2, first + 3, first + 4, first + 5, members);
+}
+
 // ---- The file
 
 static void write_array(FILE *file, const char *name, struct gltf_section *section)
@@ -299,7 +317,10 @@ static void write_file(FILE *file, struct gltf_writer *writer)
     fputs("{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[", file);
     for (int i = 0; i < writer->nodes.count; i++)
         fprintf(file, "%s%d", i > 0 ? "," : "", i);
-    fputs("]}]", file);
+    fputs("]", file);
+    if (writer->image_lights.count > 0)
+        fputs(",\"extensions\":{\"EXT_lights_image_based\":{\"light\":0}}", file);
+    fputs("}]", file);
     write_array(file, "nodes", &writer->nodes);
     write_array(file, "meshes", &writer->meshes);
     write_array(file, "materials", &writer->materials);
@@ -310,11 +331,13 @@ static void write_file(FILE *file, struct gltf_writer *writer)
     write_array(file, "textures", &writer->textures);
     if (writer->textures.count > 0)
         fputs(",\n\"samplers\":[{\"magFilter\":9728,\"minFilter\":9728}]", file);
-    if (writer->lights.count + writer->area_lights.count > 0) {
+    if (writer->lights.count + writer->area_lights.count + writer->image_lights.count > 0) {
         fprintf(file, ",\n\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]},",
                 finish_section(&writer->lights));
-        fprintf(file, "\"EXT_lights_area\":{\"lights\":[%s]}}",
+        fprintf(file, "\"EXT_lights_area\":{\"lights\":[%s]},",
                 finish_section(&writer->area_lights));
+        fprintf(file, "\"EXT_lights_image_based\":{\"lights\":[%s]}}",
+                finish_section(&writer->image_lights));
     }
     finish_section(&writer->bytes);
     fprintf(file,

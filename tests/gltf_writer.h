@@ -28,7 +28,7 @@ struct gltf_section {
 /** A scene in the making. */
 struct gltf_writer {
     struct gltf_section nodes, meshes, materials, accessors, views, lights, area_lights, cameras,
-        images, textures;
+        images, textures, image_lights;
     struct gltf_section bytes; // the buffer
 };
 
@@ -91,6 +91,12 @@ void gltf_camera_flat(struct gltf_writer *writer, const char *name, const float 
 /** Adds a texture of RGBA bytes [width * height * 4], rows from the top, unfiltered; returns its
  * index. */
 int gltf_texture(struct gltf_writer *writer, const uint8_t *rgba, uint32_t width, uint32_t height);
+
+/** Gives the scene a light of EXT_lights_image_based: faces RGBA [6][size * size * 4] in the
+ * extension's order, rows from the top; other members as JSON text that begins with a comma, or "".
+ */
+void gltf_image_light(struct gltf_writer *writer, const uint8_t *const faces[6], uint32_t size,
+                      const char *members);
 
 /** Loads what has been added as a scene, for lk_scene_free(), and empties the writer. */
 struct lk_scene *gltf_load(struct gltf_writer *writer);

@@ -11,12 +11,14 @@
  * Phong: diffuse / pi + f0 (n + 1) / (2 pi) cos^n(angle to the mirrored view) / cos(theta), which
  * is thesis A.1.2 with the factor that keeps its energy whatever n is; its limit is the mirror.
  *
- * Lambert is either with f0 = f90 = 0.
+ * Lambert is either with f0 = f90 = 0. With SHEEN_LOBE a negative alpha stands for lib/sheen.h's
+ * lobe alone, of colour f0 and that roughness.
  */
 #ifndef LIB_BSDF_H
 #define LIB_BSDF_H
 
 #include "lib/math.h"
+#include "lib/sheen.h"
 #include "shared/oct.h"
 #include "shared/path.h"
 
@@ -28,7 +30,7 @@ struct bsdf {
     float3 diffuse;      // diffuse colour
     float3 f0;           // specular colour at normal incidence
     float f90;           // at grazing incidence
-    float alpha;         // microfacet alpha, or Phong exponent
+    float alpha;         // microfacet alpha, or Phong exponent; < 0: sheen of that roughness
     float dielectric_f0; // of the dielectric alone
     float dielectric_f90;
     bool mirror; // the specular lobe is a perfect mirror (Phong only)
@@ -86,6 +88,32 @@ static inline float bsdf_base_share(const struct bsdf *b, const float grazing)
 
 #endif
 
+// The shading normal turned towards the geometric one until what is mirrored at it stays above the
+// surface: a metal would be black there.
+static inline float3 bsdf_bend_normal(const struct bsdf *b)
+{
+    const float3 mirrored = 2.0f * dot(b->normal, b->view) * b->normal - b->view;
+    const float view_z = dot(b->view, b->geometric);
+    const float least = min2(0.9f * view_z, 0.025f); // cosine of the mirrored view
+    if (dot(mirrored, b->geometric) >= least)
+        return b->normal;
+
+    // In the plane of both normals, z along the geometric one: 2 (N V) Nz - Vz = least, which
+    // squared is quadratic in Nz^2.
+    const float3 across = b->normal - dot(b->normal, b->geometric) * b->geometric;
+    if (dot(across, across) < 1e-12f)
+        return b->geometric;
+    const float3 x = normalize(across);
+    const float view_x = dot(b->view, x);
+    const float a = max2(view_x * view_x + view_z * view_z, 1e-12f);
+    const float half_b = a + view_z * least;
+    const float c = (least + view_z) * (least + view_z);
+    const float root = sqrt(max2(half_b * half_b - a * c, 0.0f));
+    const float z2 = clamp(0.5f * (half_b + (view_x < 0.0f ? root : -root)) / a, 0.0f, 1.0f);
+    const float3 bent = sqrt(1.0f - z2) * x + sqrt(z2) * b->geometric;
+    return dot(bent, b->view) > 1e-4f ? bent : b->geometric;
+}
+
 // How likely sampling takes the specular lobe.
 static inline float bsdf_specular_share(const struct bsdf *b)
 {
@@ -110,6 +138,13 @@ static inline float3 bsdf_eval(float *density, const struct bsdf *b, const float
     *density = 0.0f;
     if (nol <= 0.0f || dot(b->geometric, dir) <= 0.0f)
         return (float3)(0.0f);
+#if SHEEN_LOBE
+    if (b->alpha < 0.0f) {
+        *density = 0.5f * INV_PI;
+        const float nov = max2(dot(b->normal, b->view), 1e-6f);
+        return b->f0 * sheen_lobe(nol, nov, dot(b->normal, normalize(dir + b->view)), -b->alpha);
+    }
+#endif
     const float3 lambert = b->diffuse * (nol * INV_PI);
     if (bsdf_is_lambert(b)) {
         *density = nol * INV_PI;
@@ -194,6 +229,20 @@ static inline float3 bsdf_sample_specular(const struct bsdf *b, const float u0, 
 
 #endif
 
+#if SHEEN_LOBE
+
+// Draws from the hemisphere evenly, which the lobe's authors found the best of simple ways.
+static inline float3 bsdf_sample_sheen(const struct bsdf *b, const float u0, const float u1)
+{
+    float3 tangent, bitangent;
+    frame_build(&tangent, &bitangent, b->normal);
+    const float level = sqrt(max2(1.0f - u0 * u0, 0.0f));
+    const float2 turn = cos_sin_turn(u1);
+    return level * (turn.x * tangent + turn.y * bitangent) + u0 * b->normal;
+}
+
+#endif
+
 // Draws a direction to go on in.
 //
 //   u  three uniform numbers: lobe, direction
@@ -208,8 +257,13 @@ static inline struct bsdf_sample bsdf_sample(const struct bsdf *b, const float3 
     const bool lambert = bsdf_is_lambert(b);
     const float share = lambert ? 0.0f : bsdf_specular_share(b);
     const bool specular = u.x < share;
-    const float3 dir =
-        specular ? bsdf_sample_specular(b, u.y, u.z) : sample_cosine(b->normal, u.y, u.z);
+    float3 dir;
+#if SHEEN_LOBE
+    if (b->alpha < 0.0f)
+        dir = bsdf_sample_sheen(b, u.y, u.z);
+    else
+#endif
+        dir = specular ? bsdf_sample_specular(b, u.y, u.z) : sample_cosine(b->normal, u.y, u.z);
     if (dot(dir, b->geometric) <= 0.0f || dot(dir, b->normal) <= 0.0f)
         return out;
 

@@ -61,14 +61,14 @@ static inline struct environment_sample environment_draw(
 {
     // Pick a texel: all 32 bits, since large maps have more texels than 24 bits tell apart.
     uint texel = mul_hi(bits.x, map.width * map.height);
-    if (rng_unit(bits.y) >= alias[texel].keep)
+    if (rng_unit(bits.w) >= alias[texel].keep)
         texel = alias[texel].other;
 
     // Pick a place in it, even over its solid angle.
-    const float column = (float)(texel % map.width) + rng_unit(bits.z);
+    const float column = (float)(texel % map.width) + rng_unit(bits.y);
     const uint row = texel / map.width;
     const float step = PI / (float)map.height;
-    const float y = mix(cos((float)row * step), cos((float)(row + 1) * step), rng_unit(bits.w));
+    const float y = mix(cos((float)row * step), cos((float)(row + 1) * step), rng_unit(bits.z));
     const float level = sqrt(max2(1.0f - y * y, 0.0f));
     float turn = column / (float)map.width + 0.5f - map.turn;
     turn -= floor(turn);

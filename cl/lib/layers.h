@@ -1,14 +1,15 @@
 /**
  * @file
- * What may lie above a material's base, or let light through it: clearcoat, and the transmission
- * of thin surfaces, specular and diffuse.
+ * What may lie above a material's base, or let light through it: clearcoat, under it sheen
+ * (SHEEN_LOBE), and the transmission of thin surfaces, specular and diffuse.
  *
- * Source: KHR_materials_clearcoat, _transmission and _diffuse_transmission. Each hit takes
+ * Source: KHR_materials_clearcoat, _sheen, _transmission and _diffuse_transmission. Each hit takes
  * one part of the mixture by chance and shades it alone, divided by its probability. What goes
  * through is the reflection of the mirrored view on the other side, which is how the extension
  * defines it, so that every other stage sees an ordinary BSDF. What goes straight through smooth
  * surfaces is left to traversal: see surface_straight().
- * Differs from them: a clearcoat does not dim emission.
+ * Differs from them: neither clearcoat nor sheen dims emission; a sheen dims what is below it by
+ * what it sends back to the view, not by the more of that and of what it sends back of the light.
  */
 #ifndef LIB_LAYERS_H
 #define LIB_LAYERS_H
@@ -113,14 +114,15 @@ static inline float3 layer_choose_side(struct bsdf *b, __global const struct mat
 
 // Leaves one part of the mixture in b.
 //
-//   b       the base, all of it reflecting
-//   color   vertex colour
-//   normal  interpolated, viewer's side: normal maps do not bend the clearcoat
-//   u       uniform, which part
+//   b            the base, all of it reflecting
+//   color        vertex colour
+//   normal       interpolated, viewer's side
+//   coat_normal  the clearcoat's, viewer's side
+//   u            uniform, which part
 // Returns the weight of what is left.
 static inline float3 layer_choose(struct bsdf *b, __global const struct material *material,
                                   const struct texture_values *values, const float4 color,
-                                  const float3 normal, float u)
+                                  const float3 normal, const float3 coat_normal, float u)
 {
     float3 weight = (float3)(1.0f);
 
@@ -135,12 +137,13 @@ static inline float3 layer_choose(struct bsdf *b, __global const struct material
 
     const float coat = material->coat * values->coat.x;
     if (coat > 0.0f) {
-        const float grazing = bsdf_fifth_power(1.0f - max2(dot(normal, b->view), 0.0f));
+        const float grazing = bsdf_fifth_power(1.0f - max2(dot(coat_normal, b->view), 0.0f));
         const float share = coat * (0.04f + 0.96f * grazing);
         const float chance = max2(share, LAYER_LEAST);
         if (u < chance) {
             layer_clear(b);
-            b->normal = normal;
+            b->normal = coat_normal;
+            b->normal = bsdf_bend_normal(b);
             b->alpha = layer_alpha(material->coat_roughness * values->coat_roughness.y);
             b->f0 = (float3)(1.0f);
 #if !BRDF_PHONG
@@ -151,6 +154,21 @@ static inline float3 layer_choose(struct bsdf *b, __global const struct material
         u = (u - chance) / (1.0f - chance);
         weight *= (1.0f - share) / (1.0f - chance);
     }
+
+#if SHEEN_LOBE
+    const float share = surface_sheen(material, values, dot(b->normal, b->view));
+    if (share > 0.0f) {
+        const float chance = clamp(share, LAYER_LEAST, 1.0f - LAYER_LEAST);
+        if (u < chance) {
+            layer_clear(b);
+            b->alpha = -surface_sheen_roughness(material, values);
+            b->f0 = material->sheen.xyz * values->sheen_color.xyz;
+            return weight / chance;
+        }
+        u = (u - chance) / (1.0f - chance);
+        weight *= (1.0f - share) / (1.0f - chance);
+    }
+#endif
 
     return weight * layer_choose_side(b, material, values, color.xyz, u);
 }
@@ -167,6 +185,13 @@ static inline void layer_fetch(struct texture_values *values, __global const uin
         texture_fetch_pool(texels, &slots[TEXTURE_DIFFUSE_TRANSMISSION_COLOR], uv);
     values->coat = texture_fetch_pool(texels, &slots[TEXTURE_COAT], uv);
     values->coat_roughness = texture_fetch_pool(texels, &slots[TEXTURE_COAT_ROUGHNESS], uv);
+#if NORMAL_MAPS
+    values->coat_normal = texture_fetch_pool(texels, &slots[TEXTURE_COAT_NORMAL], uv);
+#endif
+#if SHEEN_LOBE
+    values->sheen_color = texture_fetch_pool(texels, &slots[TEXTURE_SHEEN_COLOR], uv);
+    values->sheen_roughness = texture_fetch_pool(texels, &slots[TEXTURE_SHEEN_ROUGHNESS], uv);
+#endif
 }
 
 #endif

@@ -26,15 +26,17 @@ static inline bool light_node_holds(__global const struct light_node *node, cons
 }
 
 // Descends from the root to one light without a stack; where both children hold the point, one is
-// drawn, each time with a number mixed from the last: one random number cut up further and further
-// would run out of bits in a deep tree, and its lights would never be drawn.
+// drawn. Where the number lies in the part that it chose is the number of the next choice, with new
+// bits mixed in for those used up: by itself it would run out of them in a deep tree, and some
+// lights would never be drawn.
 //
 //   pmf   out: probability of this light
-//   bits  32 random bits
+//   bits  32 random bits: their order is kept, near numbers draw near lights
 // Returns the light's index, or EMITTER_NONE where no light reaches.
 static inline uint light_tree_draw(float *pmf, __global const struct light_node *nodes,
                                    const float3 p, uint bits)
 {
+    float number = rng_unit(bits);
     *pmf = 1.0f;
     uint node = 0;
     if (!light_node_holds(&nodes[0], p))
@@ -50,9 +52,13 @@ static inline uint light_tree_draw(float *pmf, __global const struct light_node 
         bool take_left = left;
         if (left && right) {
             const float share = nodes[node].lo_left.w;
-            take_left = rng_unit(bits) < share;
+            take_left = number < share;
             bits = rng_mix(bits);
-            *pmf *= take_left ? share : 1.0f - share;
+            const float rest =
+                (take_left ? number : number - share) + rng_unit(bits) * RNG_UNIT_STEP;
+            const float part = take_left ? share : 1.0f - share;
+            number = min2(rest / part, RNG_UNIT_MAX);
+            *pmf *= part;
         }
         node = take_left ? node + 1 : child;
     }

@@ -81,11 +81,12 @@ static inline float8 light_bvh_weigh(__global const struct light_bvh_node *node,
 // Draws one light.
 //
 //   pmf   out: its probability
-//   bits  32 random bits
+//   bits  32 random bits: their order is kept, near numbers draw near lights
 // Returns its index, or EMITTER_NONE where no light can contribute.
 static inline uint light_bvh_draw(float *pmf, __global const struct light_bvh_node *nodes,
                                   const float3 p, const float3 normal, uint bits)
 {
+    float number = rng_unit(bits);
     *pmf = 1.0f;
     uint word = 0;
     do {
@@ -100,14 +101,20 @@ static inline uint light_bvh_draw(float *pmf, __global const struct light_bvh_no
             return EMITTER_NONE;
 
         // Take the child in whose part of the sum the number falls.
-        float left = rng_unit(bits) * sum;
+        float left = number * sum;
+        float rest = left;
         int child = -1;
         for (int i = 0; i < 8; i++) {
-            if (weights[i] > 0.0f && left >= 0.0f)
+            if (weights[i] > 0.0f && left >= 0.0f) {
                 child = i;
+                rest = left;
+            }
             left -= weights[i];
         }
+
+        // Where the number lies in that part is the next one, with new bits for those used up.
         bits = rng_mix(bits);
+        number = min2((rest + rng_unit(bits) * sum * RNG_UNIT_STEP) / weights[child], RNG_UNIT_MAX);
         *pmf *= weights[child] / sum;
         word = ((__global const uint *)node)[11 * 8 + child];
     } while (!(word & LIGHT_BVH_LEAF));

@@ -7,6 +7,7 @@
 #define LIB_SURFACE_H
 
 #include "lib/math.h"
+#include "lib/sheen.h"
 #include "lib/texture.h"
 #include "shared/geometry.h"
 #include "shared/material.h"
@@ -75,6 +76,26 @@ static inline bool surface_is_smooth(__global const struct material *material,
     return (material->flags & MATERIAL_TRANSMITS) && roughness * roughness <= MATERIAL_SMOOTH;
 }
 
+#if SHEEN_LOBE
+
+static inline float surface_sheen_roughness(__global const struct material *material,
+                                            const struct texture_values *values)
+{
+    return max2(material->sheen.w * values->sheen_roughness.w, SHEEN_LEAST);
+}
+
+// The share of light that a sheen sends back, all colours the strongest's.
+static inline float surface_sheen(__global const struct material *material,
+                                  const struct texture_values *values, const float cosine)
+{
+    if (!(material->flags & MATERIAL_SHEEN))
+        return 0.0f;
+    return max3(material->sheen.xyz * values->sheen_color.xyz) *
+           sheen_share(cosine, surface_sheen_roughness(material, values));
+}
+
+#endif
+
 // The share of light that smooth thin transmission lets straight through, where the surface is.
 //
 //   color   vertex colour
@@ -94,7 +115,12 @@ static inline float3 surface_straight(__global const struct material *material,
     const float share = material->transmission * values->transmission.x *
                         (1.0f - material->metallic * values->surface.z) *
                         (1.0f - f0 - (strength - f0) * grazing5) * (1.0f - coat);
-    return material->base.xyz * values->base.xyz * color * share;
+#if SHEEN_LOBE
+    const float below = 1.0f - surface_sheen(material, values, min2(fabs(cosine), 1.0f));
+#else
+    const float below = 1.0f;
+#endif
+    return material->base.xyz * values->base.xyz * color * (share * below);
 }
 
 // surface_straight() at a point of a triangle that is not shaded.
@@ -120,6 +146,10 @@ static inline float3 surface_straight_at(const struct surface *s, const struct t
     values.specular_color = texture_fetch_pool(s->texels, &slots[TEXTURE_SPECULAR_COLOR], uv);
     values.transmission = texture_fetch_pool(s->texels, &slots[TEXTURE_TRANSMISSION], uv);
     values.coat = texture_fetch_pool(s->texels, &slots[TEXTURE_COAT], uv);
+#if SHEEN_LOBE
+    values.sheen_color = texture_fetch_pool(s->texels, &slots[TEXTURE_SHEEN_COLOR], uv);
+    values.sheen_roughness = texture_fetch_pool(s->texels, &slots[TEXTURE_SHEEN_ROUGHNESS], uv);
+#endif
     const float3 color = (material->flags & MATERIAL_VERTEX_COLOR) ? surface_color(s, tri, u, v).xyz
                                                                    : (float3)(1.0f);
     return surface_straight(material, &values, color, cosine);

@@ -22,6 +22,12 @@ struct texture_values {
 #if LAYERS
     float4 transmission, diffuse_transmission, diffuse_transmission_color;
     float4 coat, coat_roughness;
+#if NORMAL_MAPS
+    float4 coat_normal;
+#endif
+#endif
+#if SHEEN_LOBE
+    float4 sheen_color, sheen_roughness;
 #endif
 };
 

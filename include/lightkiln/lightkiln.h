@@ -175,6 +175,11 @@ enum lk_light_sampler {
     LK_LIGHTS_IMPORTANCE // by estimated contribution (Conty Estevez and Kulla 2018)
 };
 
+enum lk_sampler {
+    LK_SAMPLER_SOBOL, // spread evenly among each other: Owen-scrambled Sobol points
+    LK_SAMPLER_RANDOM // independent
+};
+
 enum lk_trace {
     LK_TRACE_AUTO,
     LK_TRACE_SIMPLE,    // one ray a work item
@@ -220,12 +225,14 @@ struct lk_settings {
     uint32_t depth;         // shaded hits of a path, 1 .. 255; default 5
     uint32_t shadow_rays;   // light-tree shadow rays per hit, 1 .. 64; default 1
     enum lk_light_sampler light_sampler;
+    enum lk_sampler sampler; // how samples of a pixel are spread
     enum lk_quantity quantity;
     enum lk_brdf brdf;
     const char *env;        // lat-long image that lights the scene, HDR or EXR; its middle looks
                             // along -Z, +X is to the right of that; NULL: none
     float env_rotation_deg; // of that image about +Y, counter-clockwise from above; default 0
-    float env_strength;     // factor of that image, or of sky and sun; default 1
+    float env_strength;     // factor of that image, or of sky and sun; default 1. Both are applied
+                            // to the scene's own image, if it has one, where none is asked for
     float background[3];    // radiance from all around, cd/m2; default 0, 0, 0
     float sky_sun_deg[2];   // azimuth (0 is -Z, 90 is +X) and elevation, up to 90, of the sun of
                             // a clear sky; elevation 0: no sky. Of env, background and sky at

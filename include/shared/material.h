@@ -24,7 +24,10 @@ enum texture_use {
     TEXTURE_DIFFUSE_TRANSMISSION_COLOR = 8, // rgb (sRGB)
     TEXTURE_COAT = 9,                       // r
     TEXTURE_COAT_ROUGHNESS = 10,            // g
-    TEXTURE_USE_COUNT = 11
+    TEXTURE_COAT_NORMAL = 11,               // tangent space
+    TEXTURE_SHEEN_COLOR = 12,               // rgb (sRGB)
+    TEXTURE_SHEEN_ROUGHNESS = 13,           // a
+    TEXTURE_USE_COUNT = 14
 };
 
 // texture_slot.flags
@@ -51,15 +54,17 @@ struct texture_slot {
 SHARED_SIZE(texture_slot, 48);
 
 // material.flags
-#define MATERIAL_SPECULAR_GLOSSINESS 1u   // else metallic-roughness
-#define MATERIAL_MASKED              2u   // alpha below the cut-off is not there
-#define MATERIAL_EMITS_BACK          4u   // emits on both sides
-#define MATERIAL_UNLIT               8u   // shows its base colour, reflects nothing
-#define MATERIAL_VERTEX_COLOR        16u  // multiply with vertex_colors[]
-#define MATERIAL_BLENDED             32u  // alpha is the share of rays that meet it
-#define MATERIAL_NORMAL_MAP          64u  // TEXTURE_NORMAL bends the shading normal
-#define MATERIAL_LAYERED             128u // has some of lib/layers.h
-#define MATERIAL_TRANSMITS           256u // thin: some light goes through, unscattered if smooth
+#define MATERIAL_SPECULAR_GLOSSINESS 1u    // else metallic-roughness
+#define MATERIAL_MASKED              2u    // alpha below the cut-off is not there
+#define MATERIAL_EMITS_BACK          4u    // emits on both sides
+#define MATERIAL_UNLIT               8u    // shows its base colour, reflects nothing
+#define MATERIAL_VERTEX_COLOR        16u   // multiply with vertex_colors[]
+#define MATERIAL_BLENDED             32u   // alpha is the share of rays that meet it
+#define MATERIAL_NORMAL_MAP          64u   // TEXTURE_NORMAL bends the shading normal
+#define MATERIAL_LAYERED             128u  // has some of lib/layers.h
+#define MATERIAL_TRANSMITS           256u  // thin: some light goes through, unscattered if smooth
+#define MATERIAL_COAT_NORMAL_MAP     512u  // TEXTURE_COAT_NORMAL bends the clearcoat's normal
+#define MATERIAL_SHEEN               1024u // has a sheen; MATERIAL_LAYERED, too
 
 // Roughness squared up to which a surface is smooth: below it GGX's D leaves float's range at
 // grazing views.
@@ -71,6 +76,7 @@ struct material {
     float4
         specular; // rgb factor of specular colour; w strength (KHR_materials_specular, 1 if absent)
     float4 diffuse_transmission; // rgb factor of its colour; w factor, 0 .. 1
+    float4 sheen;                // rgb factor of its colour; w factor of its roughness, 0 .. 1
     float metallic;              // factor, 0 .. 1
     float roughness;             // factor, 0 .. 1
     float glossiness;            // factor, 0 .. 1
@@ -79,8 +85,10 @@ struct material {
     float transmission;          // factor, 0 .. 1
     float coat;                  // factor, 0 .. 1
     float coat_roughness;        // factor, 0 .. 1
+    float coat_normal_scale;     // of its normal map's x and y
+    uint pad0, pad1, pad2;
     struct texture_slot textures[TEXTURE_USE_COUNT];
 };
-SHARED_SIZE(material, 624);
+SHARED_SIZE(material, 800);
 
 #endif

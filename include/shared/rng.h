@@ -13,18 +13,30 @@
 
 // What a block of four numbers is drawn for.
 enum rng_use {
-    RNG_USE_CAMERA = 0, // x, y: place in the pixel
-    RNG_USE_BSDF = 1,   // x: lobe; y, z: direction; w: Russian roulette
-    RNG_USE_LIGHT = 2,  // x: which light; y, z: place on it
+    RNG_USE_CAMERA = 0,      // y, z: place in the pixel
+    RNG_USE_BSDF = 1,        // x: lobe; y, z: direction; w: Russian roulette
+    RNG_USE_LIGHT = 2,       // x: which light; y, z: place on it
+    RNG_USE_ENVIRONMENT = 3, // x, w: which texel; y, z: place in it
+    RNG_USE_LAYER = 4,       // x: which layer
+    RNG_USE_COUNT = 5
 };
 
-// The index, among those of RNG_USE_LIGHT, that draws from the environment: past the last light.
-#define RNG_ENVIRONMENT 0x3fffffu
-
-// Names one block: 8 bits of depth, 2 of use, 22 of index (the number of the shadow ray).
+// Names one block: 8 bits of depth, 3 of use, 21 of index (where every light is drawn, which).
 static inline uint rng_dimension(uint depth, uint use, uint index)
 {
-    return (depth << 24) | (use << 22) | (index & 0x3fffffu);
+    return (depth << 24) | (use << 21) | (index & 0x1fffffu);
+}
+
+// The block's place in the table of points (lib/samples.h): those of one index share it.
+static inline uint rng_block(uint depth, uint use)
+{
+    return use == RNG_USE_CAMERA ? 0 : depth * (RNG_USE_COUNT - 1) + use;
+}
+
+// Blocks of paths of this many shaded hits.
+static inline uint rng_block_count(uint depth)
+{
+    return 1 + depth * (RNG_USE_COUNT - 1);
 }
 
 // Four uniform 32-bit numbers for one block of one sample of one pixel (its place in Z-order).
@@ -61,10 +73,14 @@ static inline uint rng_mix(uint v)
     return (word >> 22) ^ word;
 }
 
+// The largest number of rng_unit(), and what lies between two.
+#define RNG_UNIT_MAX  0.99999994f
+#define RNG_UNIT_STEP (1.0f / 16777216.0f)
+
 // Maps 32 random bits to [0, 1): the upper 24, so that the result is exact and never 1.
 static inline float rng_unit(uint bits)
 {
-    return (float)(bits >> 8) * (1.0f / 16777216.0f);
+    return (float)(bits >> 8) * RNG_UNIT_STEP;
 }
 
 #endif

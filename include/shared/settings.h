@@ -24,7 +24,8 @@ struct settings {
     uint directional_count;
     uint material_count;
     uint emitter_count; // lights that a ray can meet: triangles, and the environment
-    uint pad0, pad1, pad2, pad3;
+    uint point_shift;   // log2 of the points of a block (lib/samples.h)
+    uint pad0, pad1, pad2;
 };
 SHARED_SIZE(settings, 48);
 

@@ -31,15 +31,16 @@
 #define DEVICES COMMAND_DEVICES
 #define BENCH   COMMAND_BENCH
 #define BOTH    (COMMAND_RENDER | COMMAND_BENCH)
+#define SIZED   (BOTH | INFO) // what changes the memory a render takes
 #define ALL     COMMAND_ALL
 
 // clang-format off
 const struct option option_table[] = {
-    HEADING(BOTH, "Picture"),
+    HEADING(SIZED, "Picture"),
     {"output", 'o', RENDER, "FILE", "the image: .exr .hdr .tif (linear), .png .jpg (8 bits)", NULL, TEXT(output)},
-    {"width", 0, BOTH, "N", "image size in pixels", "1024, or by the camera's aspect", UINT(settings.width, 1, 16384)},
-    {"height", 0, BOTH, "N", "", "by the camera's aspect", UINT(settings.height, 1, 16384)},
-    {"camera", 0, BOTH, "NAME", "camera: its name, its node's name or its index", "the first", TEXT(settings.camera)},
+    {"width", 0, SIZED, "N", "image size in pixels", "1024, or by the camera's aspect", UINT(settings.width, 1, 16384)},
+    {"height", 0, SIZED, "N", "", "by the camera's aspect", UINT(settings.height, 1, 16384)},
+    {"camera", 0, SIZED, "NAME", "camera: its name, its node's name or its index", "the first", TEXT(settings.camera)},
     {"quantity", 0, RENDER, NULL, "what a pixel holds", NULL, CHOICE(settings.quantity, choices_quantity)},
     {"exposure", 0, RENDER, "EV", "stops, for 8-bit files only", NULL, FLOAT(display.exposure_ev, -100, 100)},
     {"tonemap", 0, RENDER, NULL, "for 8-bit files only", "aces", CHOICE(display.tonemap, choices_tonemap)},
@@ -48,31 +49,32 @@ const struct option option_table[] = {
     {"spp", 0, RENDER, "N", "samples per pixel", "64; no limit with --time", UINT(settings.spp, 1, 1e9)},
     {"time", 0, BOTH, "S", "seconds of rendering", "no limit", DOUBLE(settings.time_s, 0.001, 1e9)},
 
-    HEADING(BOTH, "Light"),
+    HEADING(SIZED, "Light"),
     {"depth", 0, BOTH, "D", "shaded hits of a path; 1 is direct light alone", NULL, UINT(settings.depth, 1, 255)},
     {"shadow-rays", 0, BOTH, "N", "shadow rays per hit towards drawn lights", NULL, UINT(settings.shadow_rays, 1, 64)},
-    {"light-sampler", 0, RENDER, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
+    {"light-sampler", 0, RENDER | INFO, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
     {"brdf", 0, BOTH, NULL, "metallic-roughness, or diffuse + Phong lobe", NULL, CHOICE(settings.brdf, choices_brdf)},
+    {"sampler", 0, RENDER, NULL, "how samples of a pixel are spread", NULL, CHOICE(settings.sampler, choices_sampler)},
     {"seed", 0, BOTH, "N", "another seed gives other noise", NULL, UINT(settings.seed, 0, UINT32_MAX)},
 
-    HEADING(BOTH, "Surroundings (at most one of --env, --sky and --background)"),
-    {"env", 0, BOTH, "FILE", "lat-long image, .hdr or .exr; its middle looks along -Z", NULL, TEXT(settings.env)},
+    HEADING(SIZED, "Surroundings (at most one of --env, --sky and --background)"),
+    {"env", 0, SIZED, "FILE", "lat-long image, .hdr or .exr; its middle looks along -Z", NULL, TEXT(settings.env)},
     {"env-rotation", 0, BOTH, "DEG", "turns it about +Y", NULL, FLOAT(settings.env_rotation_deg, -1e6, 1e6)},
     {"env-strength", 0, BOTH, "X", "factor of it, or of sky and sun", NULL, FLOAT(settings.env_strength, 0, 1e30)},
-    {"sky", 0, BOTH, "AZ,EL", "clear sky; the sun's azimuth (0: -Z, 90: +X) and elevation", NULL, FLOATS2(settings.sky_sun_deg, -360, 360)},
+    {"sky", 0, SIZED, "AZ,EL", "clear sky; the sun's azimuth (0: -Z, 90: +X) and elevation", NULL, FLOATS2(settings.sky_sun_deg, -360, 360)},
     {"turbidity", 0, BOTH, "T", "haze of the sky, 2 to 10", NULL, FLOAT(settings.sky_turbidity, 2, 10)},
-    {"background", 0, BOTH, "R,G,B", "the same radiance from all around", NULL, FLOATS3(settings.background, 0, 1e30)},
+    {"background", 0, SIZED, "R,G,B", "the same radiance from all around", NULL, FLOATS3(settings.background, 0, 1e30)},
 
-    HEADING(BOTH, "Device and kernels"),
+    HEADING(SIZED, "Device and kernels"),
     {"device", 0, BOTH, "WHICH", "cpu, gpu, P:D, or part of a name", "the best", TEXT(settings.device)},
     {"trace", 0, BOTH, NULL, "traversal: a ray per item, or a work queue", NULL, CHOICE(settings.trace, choices_trace)},
-    {"bvh", 0, BOTH, NULL, "layout of the BVH; wide is for CPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
-    {"bvh-build", 0, BOTH, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},
-    {"textures", 0, RENDER, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
+    {"bvh", 0, SIZED, NULL, "layout of the BVH; wide is for CPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
+    {"bvh-build", 0, SIZED, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},
+    {"textures", 0, RENDER | INFO, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
     {"nodes", 0, RENDER, NULL, "where kernels read the binary BVH's nodes from", NULL, CHOICE(settings.nodes, choices_nodes)},
-    {"split-threshold", 0, BOTH, "A", "m2; larger boxes of triangles are split early; 0: off", NULL, FLOAT(settings.split_threshold, 0, 1e30)},
-    {"leaf-size", 0, BOTH, "N", "no leaf has so many triangles", NULL, UINT(settings.leaf_size, 2, 32)},
-    {"queue", 0, RENDER, "N", "paths in flight", "by the device", UINT(settings.queue, 1, 1 << 30)},
+    {"split-threshold", 0, SIZED, "A", "m2; larger boxes of triangles are split early; 0: off", NULL, FLOAT(settings.split_threshold, 0, 1e30)},
+    {"leaf-size", 0, SIZED, "N", "no leaf has so many triangles", NULL, UINT(settings.leaf_size, 2, 32)},
+    {"queue", 0, RENDER | INFO, "N", "paths in flight", "by the device", UINT(settings.queue, 1, 1 << 30)},
     {"memory-limit", 0, BOTH, "MB", "most memory to take on the device", "all it has", MEGABYTES(settings.memory_limit)},
     {"no-cache", 0, BOTH, NULL, "build the kernels from source", NULL, FLAG(settings.no_cache)},
 

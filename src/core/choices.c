@@ -5,6 +5,7 @@
 const char *const choices_quantity[] = {"radiance", "irradiance", "direct", NULL};
 const char *const choices_brdf[] = {"gltf", "phong", NULL};
 const char *const choices_light_sampler[] = {"auto", "tree", "uniform", "all", "importance", NULL};
+const char *const choices_sampler[] = {"sobol", "random", NULL};
 const char *const choices_trace[] = {"auto", "simple", "persistent", NULL};
 const char *const choices_bvh[] = {"auto", "binary", "wide", NULL};
 const char *const choices_bvh_build[] = {"sbvh", "thesis", NULL};

@@ -10,6 +10,7 @@
 extern const char *const choices_quantity[];
 extern const char *const choices_brdf[];
 extern const char *const choices_light_sampler[];
+extern const char *const choices_sampler[];
 extern const char *const choices_trace[];
 extern const char *const choices_bvh[];
 extern const char *const choices_bvh_build[];

@@ -39,6 +39,7 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "TEXTURES_BOUND", chosen->textures_bound);
     add_define(options, text, "NORMAL_MAPS", chosen->normal_maps);
     add_define(options, text, "LAYERS", chosen->layers);
+    add_define(options, text, "SHEEN_LOBE", chosen->sheen);
     add_define(options, text, "BRDF_PHONG", chosen->brdf_phong);
     add_define(options, text, "ENV_MAP", chosen->environment);
     if (chosen->light_sampler != 0)

@@ -29,6 +29,7 @@ struct program_options {
     bool textures_bound; // material: one launch a material, its textures as images
     bool normal_maps;    // the scene has materials with normal maps
     bool layers;         // the scene has materials with some of lib/layers.h
+    bool sheen;          // the scene has materials with a sheen; layers, too
     int light_sampler;   // direct, material: LIGHT_SAMPLER_... of shared/settings.h
     bool brdf_phong;     // the thesis's BSDF
     bool environment;    // directional: there is an environment

@@ -209,8 +209,9 @@ static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
     for (uint32_t i = 0; i < set->material_count; i++) {
         const uint flags = set->materials[i].flags;
         out->alpha |= (flags & passing) != 0;
-        out->normal_maps |= (flags & MATERIAL_NORMAL_MAP) != 0;
+        out->normal_maps |= (flags & (MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP)) != 0;
         out->layers |= (flags & MATERIAL_LAYERED) != 0;
+        out->sheen |= (flags & MATERIAL_SHEEN) != 0;
     }
     return status;
 }

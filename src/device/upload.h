@@ -54,6 +54,7 @@ struct device_scene {
     bool alpha;             // some material lets rays by
     bool normal_maps;       // some material has one
     bool layers;            // some material has some of lib/layers.h
+    bool sheen;             // some material has a sheen
 };
 
 /** What upload() will take on the device, images apart. */

@@ -50,6 +50,7 @@ static void write_picture_settings(struct json *json, const struct lk_settings *
     json_uint(json, "depth", settings->depth);
     json_uint(json, "shadow_rays", settings->shadow_rays);
     json_string(json, "light_sampler", choices_light_sampler[settings->light_sampler]);
+    json_string(json, "sampler", choices_sampler[settings->sampler]);
     json_string(json, "quantity", choices_quantity[settings->quantity]);
     json_string(json, "brdf", choices_brdf[settings->brdf]);
     write_environment(json, settings);

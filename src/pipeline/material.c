@@ -6,6 +6,7 @@ enum status material_build(struct material_stage *out, const struct gpu *gpu,
     out->textures_bound = options->textures_bound;
     out->normal_maps = options->normal_maps;
     out->layers = options->layers;
+    out->sheen = options->sheen;
     return kernel_build(&out->kernel, gpu, "material", options, built);
 }
 
@@ -22,7 +23,9 @@ static enum status enqueue_bound(const struct material_stage *material,
         args[count++] = (struct kernel_arg)ARG_VALUE(m);
         args[count++] = (struct kernel_arg)ARG_BUFFER(&context->wavefront->ranges);
         for (int use = 0; use < TEXTURE_USE_COUNT; use++) {
-            if ((use == TEXTURE_NORMAL && !material->normal_maps) ||
+            const bool is_normal = use == TEXTURE_NORMAL || use == TEXTURE_COAT_NORMAL;
+            const bool is_sheen = use >= TEXTURE_SHEEN_COLOR;
+            if ((is_normal && !material->normal_maps) || (is_sheen && !material->sheen) ||
                 (use > TEXTURE_NORMAL && !material->layers))
                 continue;
             const uint32_t image = scene->material_images[m * TEXTURE_USE_COUNT + use];
@@ -62,8 +65,9 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&w->rays),
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->shades),
+        ARG_BUFFER(&w->points),
     };
-    size_t shared_count = 19; // arguments that every variant takes
+    size_t shared_count = 20; // arguments that every variant takes
     if (material->normal_maps)
         args[shared_count++] = (struct kernel_arg)ARG_BUFFER(&scene->tangents);
     if (material->textures_bound)

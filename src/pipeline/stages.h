@@ -85,7 +85,7 @@ void sort_free(struct sort *sort);
 
 struct material_stage {
     struct kernel kernel;
-    bool textures_bound, normal_maps, layers; // the variant
+    bool textures_bound, normal_maps, layers, sheen; // the variant
 };
 
 enum status material_build(struct material_stage *out, const struct gpu *gpu,

@@ -1,6 +1,7 @@
 #include "pipeline/wavefront.h"
 
 #include "shared/ray.h"
+#include "shared/rng.h"
 
 // Scratch words per path: sort has 16 digits a tile, and no tile is smaller than 16 elements.
 #define TOTALS_PER_PATH 1u
@@ -12,9 +13,14 @@ uint64_t wavefront_path_size(bool textures_bound)
            words * sizeof(uint32_t);
 }
 
+uint64_t wavefront_points_size(const struct settings *settings)
+{
+    return ((uint64_t)rng_block_count(settings->depth) << settings->point_shift) * sizeof(uint4);
+}
+
 enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t capacity,
                              const struct settings *settings, const struct camera *camera,
-                             bool textures_bound)
+                             const uint4 *points, bool textures_bound)
 {
     struct wavefront w = {.capacity = capacity, .bounce_count = settings->depth + 2};
     const size_t words = capacity * sizeof(uint32_t);
@@ -27,6 +33,7 @@ enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t ca
     } table[] = {
         {&w.settings, sizeof(*settings), settings, "settings"},
         {&w.camera, sizeof(*camera), camera, "camera"},
+        {&w.points, wavefront_points_size(settings), points, "points of samples"},
         {&w.rays, capacity * sizeof(struct ray), NULL, "rays"},
         {&w.hits, capacity * sizeof(struct hit), NULL, "hits"},
         {&w.paths, capacity * sizeof(struct path), NULL, "paths"},
@@ -68,6 +75,7 @@ void wavefront_free(struct gpu *gpu, struct wavefront *w)
     buffer_free(gpu, &w->paths);
     buffer_free(gpu, &w->hits);
     buffer_free(gpu, &w->rays);
+    buffer_free(gpu, &w->points);
     buffer_free(gpu, &w->camera);
     buffer_free(gpu, &w->settings);
     *w = (struct wavefront){0};

@@ -17,6 +17,7 @@
 /** All zero is a valid empty one. */
 struct wavefront {
     struct buffer settings, camera;
+    struct buffer points;                    // of samples, by block
     struct buffer rays, hits, paths, shades; // [capacity] by slot
     struct buffer queue[2];                  // [capacity] slots of this bounce and of the next
     struct buffer counters;                  // [bounce_count]
@@ -29,14 +30,18 @@ struct wavefront {
 /** Bytes that a path takes. */
 uint64_t wavefront_path_size(bool textures_bound);
 
+/** Bytes of the points of samples, prep/samples.h. */
+uint64_t wavefront_points_size(const struct settings *settings);
+
 /**
  * Makes the buffers for `capacity` paths.
  *
+ * @param points  [rng_block_count(depth) << point_shift].
  * @retval STATUS_NO_MEMORY, STATUS_DEVICE
  */
 enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t capacity,
                              const struct settings *settings, const struct camera *camera,
-                             bool textures_bound);
+                             const uint4 *points, bool textures_bound);
 
 void wavefront_free(struct gpu *gpu, struct wavefront *wavefront);
 

@@ -8,6 +8,7 @@
 #include "prep/color.h"
 #include "prep/sky.h"
 #include "scene/image_io.h"
+#include "scene/scene.h"
 
 // ---- The map
 
@@ -22,6 +23,27 @@ static enum status allocate(struct environment *out, uint32_t width, uint32_t he
                              width, height);
 }
 
+// Takes the texels of a lat-long image, rgb [width * height * 3].
+static enum status take_image(struct environment *out, const struct environment_request *request,
+                              const char *name, const float *rgb, uint32_t width, uint32_t height)
+{
+    enum status status = allocate(out, width, height);
+    for (size_t i = 0; i < (size_t)width * height && status == STATUS_OK; i++) {
+        const float *from = rgb + 3 * i;
+        float to[3];
+        for (int k = 0; k < 3; k++) {
+            if (!isfinite(from[k]))
+                status = status_fail(STATUS_FORMAT, "%s: texel %zu, %zu is not a finite number",
+                                     name, i % width, i / width);
+            to[k] = fminf(fmaxf(from[k], 0.0f) * request->strength, FLT_MAX);
+        }
+        out->texels[i] = (float4){to[0], to[1], to[2], 0.0f};
+    }
+    const double turns = request->rotation_deg / 360.0;
+    out->map.turn = (float)(turns - floor(turns));
+    return status;
+}
+
 static enum status load_image(struct environment *out, const struct environment_request *request)
 {
     float *rgb = NULL;
@@ -29,21 +51,8 @@ static enum status load_image(struct environment *out, const struct environment_
     uint32_t height = 0;
     enum status status = image_read_rgb(&rgb, &width, &height, request->path);
     if (status == STATUS_OK)
-        status = allocate(out, width, height);
-    for (size_t i = 0; i < (size_t)width * height && status == STATUS_OK; i++) {
-        const float *from = rgb + 3 * i;
-        float to[3];
-        for (int k = 0; k < 3; k++) {
-            if (!isfinite(from[k]))
-                status = status_fail(STATUS_FORMAT, "%s: texel %zu, %zu is not a finite number",
-                                     request->path, i % width, i / width);
-            to[k] = fminf(fmaxf(from[k], 0.0f) * request->strength, FLT_MAX);
-        }
-        out->texels[i] = (float4){to[0], to[1], to[2], 0.0f};
-    }
+        status = take_image(out, request, request->path, rgb, width, height);
     free(rgb);
-    const double turns = request->rotation_deg / 360.0;
-    out->map.turn = (float)(turns - floor(turns));
     return status;
 }
 
@@ -195,6 +204,9 @@ enum status environment_build(struct environment *out, const struct environment_
         status = make_sky(&e, request);
     else if (background[0] > 0.0f || background[1] > 0.0f || background[2] > 0.0f)
         status = make_background(&e, request);
+    else if (request->own != NULL && request->own->width > 0)
+        status = take_image(&e, request, "the scene's environment", request->own->rgb,
+                            request->own->width, request->own->height);
     if (status == STATUS_OK && e.texels != NULL)
         status = build_distribution(&e);
     if (status != STATUS_OK) {

@@ -13,15 +13,18 @@
 #include "shared/environment.h"
 #include "shared/light.h"
 
-/** What is asked for: a file, or a sky, or a background, or nothing. */
+struct scene_environment;
+
+/** What is asked for: a file, or a sky, or a background; else what the scene has, if anything. */
 struct environment_request {
-    const char *path;        // lat-long image; NULL: none
-    float rotation_deg;      // of the image about +Y
-    float strength;          // factor of the image, or of sky and sun
-    float background[3];     // radiance from everywhere, cd/m2; all 0: none
-    float sky_azimuth_deg;   // of the sun: 0 is -Z, 90 +X
-    float sky_elevation_deg; // above the horizon, up to 90; 0: no sky
-    float sky_turbidity;     // 2 .. 10
+    const char *path;                    // lat-long image; NULL: none
+    float rotation_deg;                  // of an image about +Y, the scene's own included
+    float strength;                      // factor of an image, or of sky and sun
+    float background[3];                 // radiance from everywhere, cd/m2; all 0: none
+    float sky_azimuth_deg;               // of the sun: 0 is -Z, 90 +X
+    float sky_elevation_deg;             // above the horizon, up to 90; 0: no sky
+    float sky_turbidity;                 // 2 .. 10
+    const struct scene_environment *own; // the scene's; NULL or of no size: none
 };
 
 /** All zero is a valid empty one. */

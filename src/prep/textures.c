@@ -21,6 +21,9 @@ static void list_uses(const struct scene_texture_use *out[TEXTURE_USE_COUNT],
     out[TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = &material->diffuse_transmission_color_texture;
     out[TEXTURE_COAT] = &material->coat_texture;
     out[TEXTURE_COAT_ROUGHNESS] = &material->coat_roughness_texture;
+    out[TEXTURE_COAT_NORMAL] = &material->coat_normal_texture;
+    out[TEXTURE_SHEEN_COLOR] = &material->sheen_color_texture;
+    out[TEXTURE_SHEEN_ROUGHNESS] = &material->sheen_roughness_texture;
 }
 
 // The image of a use; SCENE_NONE if there is none.
@@ -76,9 +79,16 @@ static void pack_slot(struct texture_slot *out, const struct scene *scene,
 
 static uint layer_flags(const struct scene_material *material)
 {
+    const float *color = material->sheen_color;
+    const bool sheen = color[0] > 0.0f || color[1] > 0.0f || color[2] > 0.0f;
     const bool layered = material->transmission > 0.0f || material->diffuse_transmission > 0.0f ||
-                         material->coat > 0.0f;
-    return (layered && !material->unlit ? MATERIAL_LAYERED : 0u) |
+                         material->coat > 0.0f || sheen;
+    if (!layered || material->unlit)
+        return 0u;
+    const bool bent_coat =
+        material->coat > 0.0f && material->coat_normal_texture.texture != SCENE_NONE;
+    return MATERIAL_LAYERED | (sheen ? MATERIAL_SHEEN : 0u) |
+           (bent_coat ? MATERIAL_COAT_NORMAL_MAP : 0u) |
            (scene_material_transmits(material) ? MATERIAL_TRANSMITS : 0u);
 }
 
@@ -89,12 +99,14 @@ static void pack_material(struct material *out, const struct scene *scene,
     const float *emission = material->emission;
     const float *specular = material->specular_color;
     const float *through = material->diffuse_transmission_color;
+    const float *sheen = material->sheen_color;
     *out = (struct material){
         .base = {base[0], base[1], base[2], base[3]},
         .emission = {emission[0], emission[1], emission[2], material->alpha_cutoff},
         .specular = {specular[0], specular[1], specular[2], material->specular_strength},
         .diffuse_transmission = {through[0], through[1], through[2],
                                  material->diffuse_transmission},
+        .sheen = {sheen[0], sheen[1], sheen[2], material->sheen_roughness},
         .metallic = material->metallic,
         .roughness = material->roughness,
         .glossiness = material->glossiness,
@@ -108,12 +120,14 @@ static void pack_material(struct material *out, const struct scene *scene,
         .transmission = material->transmission,
         .coat = material->coat,
         .coat_roughness = material->coat_roughness,
+        .coat_normal_scale = material->coat_normal_scale,
     };
 
     const bool srgb[TEXTURE_USE_COUNT] = {
         [TEXTURE_BASE] = true,           [TEXTURE_SURFACE] = material->specular_glossiness,
         [TEXTURE_EMISSIVE] = true,       [TEXTURE_SPECULAR] = false,
         [TEXTURE_SPECULAR_COLOR] = true, [TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = true,
+        [TEXTURE_SHEEN_COLOR] = true,
     };
     const struct scene_texture_use *uses[TEXTURE_USE_COUNT];
     list_uses(uses, material);

@@ -19,6 +19,7 @@ static const char BUFFER_STUB[] =
 
 // Extensions that change the picture and are implemented, or do not touch it.
 static const char *const SUPPORTED[] = {"EXT_lights_area",
+                                        "EXT_lights_image_based",
                                         "EXT_mesh_gpu_instancing",
                                         "EXT_texture_webp",
                                         "KHR_lights_punctual",
@@ -27,6 +28,7 @@ static const char *const SUPPORTED[] = {"EXT_lights_area",
                                         "KHR_materials_emissive_strength",
                                         "KHR_materials_ior",
                                         "KHR_materials_pbrSpecularGlossiness",
+                                        "KHR_materials_sheen",
                                         "KHR_materials_specular",
                                         "KHR_materials_transmission",
                                         "KHR_materials_unlit",

@@ -122,6 +122,34 @@ static std::string image_name(const data_source &source, int index)
     return label("image", static_cast<size_t>(index), has_file ? source.uri : source.name);
 }
 
+// Names a job and finds the bytes of a buffer view.
+static void prepare_job(import_context &context, const data_source &source, int index,
+                        image_job &job)
+{
+    job.name = image_name(source, index);
+    if (source.buffer_view >= 0)
+        job.bytes = view_bytes(context, source.buffer_view, job.name);
+    else if (source.uri.empty())
+        fail_import(STATUS_FORMAT, "%s has neither a uri nor a bufferView", job.name.c_str());
+}
+
+decoded_image decode_image(import_context &context, int index, const std::string &owner)
+{
+    if (index < 0 || static_cast<size_t>(index) >= context.images.size())
+        fail_import(STATUS_FORMAT, "%s: there is no image %d", owner.c_str(), index);
+    const data_source &source = context.images[static_cast<size_t>(index)];
+    image_job job;
+    prepare_job(context, source, index, job);
+    run_job(context, source, job);
+    decoded_image out;
+    out.rgba.reset(job.rgba);
+    out.width = job.width;
+    out.height = job.height;
+    if (job.status != STATUS_OK)
+        fail_import(job.status, "%s: %s", owner.c_str(), job.message.c_str());
+    return out;
+}
+
 // Moves decoded images into the scene, or leaves with the first failure.
 static void keep_images(import_context &context, const texture_collector &collector,
                         std::vector<image_job> &jobs)
@@ -156,12 +184,7 @@ void load_images(import_context &context, const texture_collector &collector)
     for (size_t i = 0; i < jobs.size(); i++) {
         const int index = collector.image_sources[i];
         const data_source &source = context.images[static_cast<size_t>(index)];
-        jobs[i].name = image_name(source, index);
-        if (source.buffer_view >= 0)
-            jobs[i].bytes = view_bytes(context, source.buffer_view, jobs[i].name);
-        else if (source.uri.empty())
-            fail_import(STATUS_FORMAT, "%s has neither a uri nor a bufferView",
-                        jobs[i].name.c_str());
+        prepare_job(context, source, index, jobs[i]);
     }
 
     context.scene->images = arena_array<scene_image>(context, jobs.size());

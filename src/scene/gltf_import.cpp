@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "scene/gltf_document.hpp"
+#include "scene/gltf_environment.hpp"
 #include "scene/gltf_material.hpp"
 #include "scene/gltf_node.hpp"
 #include "scene/gltf_place.hpp"
@@ -38,6 +39,7 @@ static void import_scene(import_context &context)
     if (context.instances.empty())
         warn_once(context, "empty", "it shows no triangles");
     load_materials(context);
+    load_environment(context);
 
     store(context, context.meshes, &scene->meshes, &scene->mesh_count);
     store(context, context.instances, &scene->instances, &scene->instance_count);

@@ -138,7 +138,9 @@ static scene_material default_material(import_context &context)
     material.normal_texture = material.transmission_texture = none;
     material.diffuse_transmission_texture = material.diffuse_transmission_color_texture = none;
     material.coat_texture = material.coat_roughness_texture = none;
-    material.normal_scale = 1.0f;
+    material.coat_normal_texture = none;
+    material.sheen_color_texture = material.sheen_roughness_texture = none;
+    material.normal_scale = material.coat_normal_scale = 1.0f;
     return material;
 }
 
@@ -244,9 +246,27 @@ static void read_coat(import_context &context, texture_collector *collector,
         make_use(context, collector, extension_texture(source, "clearcoatTexture", owner), owner);
     out.coat_roughness_texture = make_use(
         context, collector, extension_texture(source, "clearcoatRoughnessTexture", owner), owner);
-    if (source.Has("clearcoatNormalTexture") && collector != nullptr)
-        warn_once(context, "clearcoat normal", "%s: normal maps of clearcoats are not applied",
-                  owner.c_str());
+    const char *const normal = "clearcoatNormalTexture";
+    out.coat_normal_texture =
+        make_use(context, collector, extension_texture(source, normal, owner), owner);
+    if (source.Has(normal))
+        out.coat_normal_scale = finite_float(
+            number_member(source.Get(std::string(normal)), "scale", 1.0, owner), owner, normal);
+}
+
+static void read_sheen(import_context &context, texture_collector *collector,
+                       const tinygltf::Value &source, const std::string &owner, scene_material &out)
+{
+    numbers_member(source, "sheenColorFactor", out.sheen_color, 3, owner);
+    for (float &factor : out.sheen_color)
+        factor = unit_factor(context, factor, owner, "sheenColorFactor");
+    out.sheen_roughness =
+        unit_factor(context, number_member(source, "sheenRoughnessFactor", 0.0, owner), owner,
+                    "sheenRoughnessFactor");
+    out.sheen_color_texture =
+        make_use(context, collector, extension_texture(source, "sheenColorTexture", owner), owner);
+    out.sheen_roughness_texture = make_use(
+        context, collector, extension_texture(source, "sheenRoughnessTexture", owner), owner);
 }
 
 // Reads what lies above the base, or lets light through it. None of it goes with
@@ -262,7 +282,8 @@ static void read_layers(import_context &context, texture_collector *collector,
         reader read;
     } layers[] = {{"KHR_materials_transmission", read_transmission},
                   {"KHR_materials_diffuse_transmission", read_diffuse_transmission},
-                  {"KHR_materials_clearcoat", read_coat}};
+                  {"KHR_materials_clearcoat", read_coat},
+                  {"KHR_materials_sheen", read_sheen}};
     for (const auto &layer : layers) {
         const tinygltf::Value *source = find_extension(extensions, layer.name);
         if (source != nullptr)
@@ -332,10 +353,14 @@ int normal_map_texcoord(const import_context &context, int material)
     if (material < 0 || static_cast<size_t>(material) >= context.model.materials.size())
         return -1;
     const tinygltf::Material &source = context.model.materials[static_cast<size_t>(material)];
-    if (source.normalTexture.index < 0)
-        return -1;
     const std::string owner = label("material", static_cast<size_t>(material), source.name);
-    return texcoord_of(core_texture(source.normalTexture), owner) == 1 ? 1 : 0;
+    texture_reference map = core_texture(source.normalTexture);
+    const tinygltf::Value *coat = find_extension(source.extensions, "KHR_materials_clearcoat");
+    if (map.index < 0 && coat != nullptr)
+        map = extension_texture(*coat, "clearcoatNormalTexture", owner);
+    if (map.index < 0)
+        return -1;
+    return texcoord_of(map, owner) == 1 ? 1 : 0;
 }
 
 void load_materials(import_context &context)

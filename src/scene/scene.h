@@ -74,6 +74,12 @@ struct scene_material {
     struct scene_texture_use diffuse_transmission_color_texture; // sRGB
     struct scene_texture_use coat_texture;                       // r
     struct scene_texture_use coat_roughness_texture;             // g
+    struct scene_texture_use coat_normal_texture;                // tangent space
+    float coat_normal_scale;                                     // of its x and y
+    float sheen_color[3];                                        // KHR_materials_sheen, 0 .. 1
+    float sheen_roughness;                                       // 0 .. 1
+    struct scene_texture_use sheen_color_texture;                // sRGB
+    struct scene_texture_use sheen_roughness_texture;            // a
 };
 
 /** One triangle list in its own space. Attributes that the file lacks are NULL, but normals are
@@ -133,6 +139,13 @@ struct scene_camera {
                          // reader
 };
 
+/** What lights the scene from far away: a lat-long image, cd/m2, placed as
+ * shared/environment.h says. */
+struct scene_environment {
+    uint32_t width, height; // texels; 0 if the file gives none
+    float *rgb;             // [width * height * 3], rows from the top
+};
+
 struct scene {
     struct arena arena; // owns all below
     const char *file;
@@ -144,6 +157,7 @@ struct scene {
     struct scene_instance *instances;
     struct scene_light *lights;
     struct scene_camera *cameras;
+    struct scene_environment environment; // EXT_lights_image_based
     uint32_t image_count, texture_count, material_count, mesh_count, instance_count, light_count,
         camera_count;
 };

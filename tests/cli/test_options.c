@@ -240,6 +240,26 @@ static void commands_have_options_of_their_own(void **state)
     assert_true(options.help);
 }
 
+// What `info` counts it can be asked for; what changes no size it does not take and ignore.
+static void info_takes_what_changes_memory(void **state)
+{
+    (void)state;
+    struct options options;
+    assert_int_equal(parse(&options, COMMAND_INFO,
+                           "a.glb --width 64 --height 32 --camera door --env a.hdr --leaf-size 4 "
+                           "--split-threshold 1 --light-sampler tree --textures bound --queue 99"),
+                     STATUS_OK);
+    assert_int_equal(options.settings.width, 64);
+    assert_string_equal(options.settings.env, "a.hdr");
+    assert_int_equal(parse(&options, COMMAND_INFO, "a.glb --sky 10,20"), STATUS_OK);
+    assert_int_equal(parse(&options, COMMAND_INFO, "a.glb --background 1,1,1"), STATUS_OK);
+    static const char *const refused[] = {"a.glb --env-rotation 3", "a.glb --env-strength 2",
+                                          "a.glb --turbidity 3",    "a.glb --depth 2",
+                                          "a.glb --seed 2",         "a.glb --spp 2"};
+    for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++)
+        assert_int_equal(parse(&options, COMMAND_INFO, refused[i]), STATUS_USAGE);
+}
+
 static void commands_are_found_by_name(void **state)
 {
     (void)state;
@@ -288,6 +308,7 @@ int main(void)
         cmocka_unit_test(time_alone_lifts_the_limit_of_samples),
         cmocka_unit_test(quiet_hides_warnings_unless_asked_for),
         cmocka_unit_test(commands_have_options_of_their_own),
+        cmocka_unit_test(info_takes_what_changes_memory),
         cmocka_unit_test(commands_are_found_by_name),
         cmocka_unit_test(help_names_every_option_within_100_columns),
     };

@@ -1,6 +1,6 @@
 // lib/bsdf.h, with its parameters read from a material as the material stage does.
 //
-// Variants: BRDF_PHONG.
+// Variants: BRDF_PHONG; SHEEN_LOBE evaluates the sheen alone.
 
 #include "bsdf_case.h"
 #include "material.cl"
@@ -19,6 +19,12 @@ static inline struct bsdf bsdf_of_case(__global const struct bsdf_case *c)
     b.geometric = c->geometric.xyz;
     b.view = c->view.xyz;
     material_bsdf(&b, &c->material, &white, (float4)(1.0f));
+#if LAYERS && SHEEN_LOBE
+    white.sheen_roughness = (float4)(1.0f);
+    layer_clear(&b);
+    b.alpha = -surface_sheen_roughness(&c->material, &white);
+    b.f0 = c->material.sheen.xyz;
+#endif
     return b;
 }
 

@@ -14,7 +14,7 @@ struct bsdf_case {
     float4 view;      // to the viewer
     struct material material;
 };
-SHARED_SIZE(bsdf_case, 672);
+SHARED_SIZE(bsdf_case, 848);
 
 // One sampled direction.
 struct bsdf_draw {

@@ -26,10 +26,13 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
+/** What is evaluated of a case's material. */
+enum model { MODEL_GLTF, MODEL_PHONG, MODEL_SHEEN, MODEL_COUNT };
+
 /** The group's state. */
 struct fixture {
     struct gpu *gpu;
-    struct program programs[2];                     // glTF, Phong
+    struct program programs[MODEL_COUNT];
     struct buffer dirs, values;                     // [CELLS] float4
     struct buffer numbers;                          // [SAMPLES] float4, uniform
     struct buffer draws;                            // [SAMPLES]
@@ -42,9 +45,11 @@ struct fixture {
 static inline struct fixture make_fixture(struct gpu *gpu)
 {
     struct fixture f = {.gpu = gpu};
-    for (int phong = 0; phong < 2; phong++) {
-        const struct program_options options = {.brdf_phong = phong};
-        f.programs[phong] = device_program(gpu, "bsdf", &options);
+    for (int model = 0; model < MODEL_COUNT; model++) {
+        const struct program_options options = {.brdf_phong = model == MODEL_PHONG,
+                                                .layers = model == MODEL_SHEEN,
+                                                .sheen = model == MODEL_SHEEN};
+        f.programs[model] = device_program(gpu, "bsdf", &options);
     }
     f.cell_dirs = calloc(CELLS, sizeof(*f.cell_dirs));
     f.cell_values = calloc(CELLS, sizeof(*f.cell_values));
@@ -78,31 +83,31 @@ static inline void release_fixture(struct fixture *f)
     free(f->cell_sizes);
     free(f->cell_values);
     free(f->cell_dirs);
-    program_free(&f->programs[1]);
-    program_free(&f->programs[0]);
+    for (int model = 0; model < MODEL_COUNT; model++)
+        program_free(&f->programs[model]);
 }
 
 /** Evaluates count <= CELLS directions: rgb f cos, w density. */
-static inline void evaluate(const struct fixture *f, bool phong, const struct bsdf_case *c,
+static inline void evaluate(const struct fixture *f, enum model model, const struct bsdf_case *c,
                             const float4 *dirs, uint32_t count, float4 *out)
 {
     struct buffer case_buffer = device_buffer(f->gpu, c, sizeof(*c));
     const struct kernel_arg args[] = {ARG_BUFFER(&case_buffer), ARG_BUFFER(&f->dirs),
                                       ARG_VALUE(count), ARG_BUFFER(&f->values)};
     assert_ok(buffer_write(f->gpu, &f->dirs, dirs, count * sizeof(*dirs)));
-    DEVICE_RUN(f->gpu, &f->programs[phong], "bsdf_values", args, count);
+    DEVICE_RUN(f->gpu, &f->programs[model], "bsdf_values", args, count);
     assert_ok(buffer_read(f->gpu, &f->values, out, count * sizeof(*out)));
     buffer_free(f->gpu, &case_buffer);
 }
 
 /** Draws SAMPLES directions into cell_draws. */
-static inline void draw(struct fixture *f, bool phong, const struct bsdf_case *c)
+static inline void draw(struct fixture *f, enum model model, const struct bsdf_case *c)
 {
     struct buffer case_buffer = device_buffer(f->gpu, c, sizeof(*c));
     const uint32_t count = SAMPLES;
     const struct kernel_arg args[] = {ARG_BUFFER(&case_buffer), ARG_BUFFER(&f->numbers),
                                       ARG_VALUE(count), ARG_BUFFER(&f->draws)};
-    DEVICE_RUN(f->gpu, &f->programs[phong], "bsdf_draws", args, count);
+    DEVICE_RUN(f->gpu, &f->programs[model], "bsdf_draws", args, count);
     assert_ok(buffer_read(f->gpu, &f->draws, f->cell_draws, SAMPLES * sizeof(*f->cell_draws)));
     buffer_free(f->gpu, &case_buffer);
 }
@@ -166,7 +171,7 @@ static inline void mirrored_view(double *out, const struct bsdf_case *c)
 
 /** Evaluates the grid's cells, whose rings grow with the cube of their number: narrow lobes are
  * met by many. */
-static inline void evaluate_sphere(struct fixture *f, bool phong, const struct bsdf_case *c)
+static inline void evaluate_sphere(struct fixture *f, enum model model, const struct bsdf_case *c)
 {
     double pole[3], t[3], b[3];
     mirrored_view(pole, c);
@@ -186,7 +191,7 @@ static inline void evaluate_sphere(struct fixture *f, bool phong, const struct b
             f->cell_sizes[i] = x * 3.0 * PI * s * s / RINGS * 2.0 * PI / SPOKES;
         }
     }
-    evaluate(f, phong, c, f->cell_dirs, CELLS, f->cell_values);
+    evaluate(f, model, c, f->cell_dirs, CELLS, f->cell_values);
 }
 
 /** The integral of the evaluated grid's red: what of evenly incoming light is reflected. */

@@ -61,10 +61,11 @@
     M(texture_slot, pad0) M(texture_slot, pad1) M(texture_slot, pad2)                              \
     S(material)                                                                                    \
     M(material, base) M(material, emission) M(material, specular)                                  \
-    M(material, diffuse_transmission)                                                              \
+    M(material, diffuse_transmission) M(material, sheen)                                           \
     M(material, metallic) M(material, roughness) M(material, glossiness) M(material, flags)        \
     M(material, normal_scale) M(material, transmission)                                            \
-    M(material, coat) M(material, coat_roughness)                                                  \
+    M(material, coat) M(material, coat_roughness) M(material, coat_normal_scale)                   \
+    M(material, pad0) M(material, pad1) M(material, pad2)                                          \
     M(material, textures)                                                                          \
     S(batch)                                                                                       \
     M(batch, first) M(batch, first_sample) M(batch, count) M(batch, pixel_count)                   \
@@ -86,7 +87,7 @@
     M(settings, seed) M(settings, depth) M(settings, shadow_rays) M(settings, quantity)            \
     M(settings, light_count) M(settings, directional_count) M(settings, material_count)            \
     M(settings, emitter_count)                                                                     \
-    M(settings, pad0) M(settings, pad1) M(settings, pad2) M(settings, pad3)
+    M(settings, point_shift) M(settings, pad0) M(settings, pad1) M(settings, pad2)
 // clang-format on
 
 #endif

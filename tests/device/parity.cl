@@ -14,7 +14,7 @@ TEST_KERNEL parity_rng(__global const uint4 *in, __global uint4 *bits, __global 
     const uint4 v = in[i];
     bits[i] = rng_bits(v.x, v.y, v.z, v.w);
     units[i] = rng_unit(v.x);
-    dimensions[i] = rng_dimension(v.x & 255u, v.y & 3u, v.z);
+    dimensions[i] = rng_dimension(v.x & 255u, v.y & 7u, v.z);
 }
 
 // in: index, width, height.

@@ -255,6 +255,130 @@ static void the_sun_of_a_sky_shines_from_where_it_is(void **state)
     lk_scene_free(scene);
 }
 
+// ---- The file's own
+
+#define FACE 16 // texels on a side
+
+// Linear value of a byte of a face.
+static double linear_of(int byte)
+{
+    const double x = byte / 255.0;
+    return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
+}
+
+// A quarter of a face: its red and green name it, its alpha divides.
+static void quarter_color(uint8_t *out, int face, int right, int down)
+{
+    out[0] = (uint8_t)(60 + 30 * face);
+    out[1] = (uint8_t)(40 + 90 * right + 45 * down);
+    out[2] = 100;
+    out[3] = (uint8_t)(face % 2 ? 255 : 51);
+}
+
+// A scene with a cube of quarters, seen from its middle along a direction.
+static struct lk_scene *make_cube(const double *dir, const char *members)
+{
+    static uint8_t texels[6][FACE * FACE * 4];
+    const uint8_t *faces[6];
+    for (int face = 0; face < 6; face++) {
+        for (int i = 0; i < FACE * FACE; i++)
+            quarter_color(&texels[face][i * 4], face, i % FACE >= FACE / 2, i / FACE >= FACE / 2);
+        faces[face] = texels[face];
+    }
+    struct gltf_writer writer = {0};
+    gltf_floor(&writer, gltf_lambert(&writer, 0.5), -90.0f, 0.1f, true);
+    gltf_image_light(&writer, faces, FACE, members);
+    gltf_camera(&writer, "view", (const float[]){0, 0, 0},
+                (const float[]){(float)dir[0], (float)dir[1], (float)dir[2]}, 1e-3);
+    return gltf_load(&writer);
+}
+
+static void check_quarter(const double *dir, const char *members, int face, int right, int down,
+                          double intensity)
+{
+    struct lk_scene *scene = make_cube(dir, members);
+    struct lk_settings settings = test_settings(2, 2, 1);
+    const struct rgb seen = render_rgb(scene, &settings);
+    uint8_t color[4];
+    quarter_color(color, face, right, down);
+    for (int k = 0; k < 3; k++)
+        assert_agrees("quarter", (struct estimate){seen.v[k], 0.0},
+                      intensity * linear_of(color[k]) / (color[3] / 255.0), TOLERANCE);
+    lk_scene_free(scene);
+}
+
+// Faces show what is seen from within: forward, and what is up in the picture.
+static const double forward[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                     {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+static const double upward[6][3] = {{0, 1, 0}, {0, 1, 0}, {0, 0, -1},
+                                    {0, 0, 1}, {0, 1, 0}, {0, 1, 0}};
+
+static void a_files_cube_is_seen_from_within(void **state)
+{
+    (void)state;
+    skip_without_device();
+    for (int face = 0; face < 6; face++)
+        for (int quarter = 0; quarter < 4; quarter++) {
+            const double *f = forward[face];
+            const double *u = upward[face];
+            const double across[3] = {f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2],
+                                      f[0] * u[1] - f[1] * u[0]};
+            const double x = quarter % 2 ? 0.5 : -0.5;
+            const double y = quarter / 2 ? -0.5 : 0.5;
+            double dir[3], turned[3];
+            for (int k = 0; k < 3; k++)
+                dir[k] = f[k] + x * across[k] + y * u[k];
+            check_quarter(dir, "", face, quarter % 2, quarter / 2, 1.0);
+
+            // A quarter turn about +X takes +Y to +Z.
+            turned[0] = dir[0];
+            turned[1] = -dir[2];
+            turned[2] = dir[1];
+            check_quarter(turned, ",\"rotation\":[0.70710678,0,0,0.70710678],\"intensity\":3", face,
+                          quarter % 2, quarter / 2, 3.0);
+        }
+}
+
+static void what_is_asked_for_replaces_the_files_own(void **state)
+{
+    (void)state;
+    skip_without_device();
+    const double dir[3] = {0.5, 0.5, -1.0};
+    struct lk_scene *scene = make_cube(dir, "");
+    struct lk_settings settings = test_settings(2, 2, 1);
+    const double own = render_mean(scene, &settings);
+    set_background(&settings, RADIANCE);
+    assert_agrees("background", (struct estimate){render_mean(scene, &settings), 0.0}, RADIANCE,
+                  TOLERANCE);
+    set_background(&settings, 0.0f);
+    settings.env_strength = 2.0f;
+    assert_agrees("strength", (struct estimate){render_mean(scene, &settings), 0.0}, 2.0 * own,
+                  TOLERANCE);
+    settings.env_strength = 0.0f;
+    assert_true(own > 0.0 && render_mean(scene, &settings) == 0.0);
+    lk_scene_free(scene);
+}
+
+// The memory table holds the environment: 24 bytes a texel.
+static void info_counts_the_environment(void **state)
+{
+    (void)state;
+    const double dir[3] = {0, 0, -1};
+    struct lk_scene *plane = make_plane();
+    struct lk_scene *cube = make_cube(dir, "");
+    struct lk_settings settings = test_settings(8, 8, 1);
+    struct lk_scene_info info;
+    assert_int_equal(lk_scene_info(&info, plane, &settings), LK_OK);
+    const uint64_t without = info.memory.lights;
+    assert_int_equal(lk_scene_info(&info, cube, &settings), LK_OK);
+    assert_int_equal(info.memory.lights - without, 24 * 4 * FACE * 2 * FACE);
+    set_background(&settings, 1.0f);
+    assert_int_equal(lk_scene_info(&info, plane, &settings), LK_OK);
+    assert_int_equal(info.memory.lights - without, 24);
+    lk_scene_free(plane);
+    lk_scene_free(cube);
+}
+
 // ---- Refusals
 
 static void settings_that_make_no_environment_are_refused(void **state)
@@ -291,6 +415,9 @@ int main(void)
         cmocka_unit_test(a_spot_gives_its_solid_angle_times_the_cosine),
         cmocka_unit_test(both_ways_to_the_sky_sum_to_one),
         cmocka_unit_test(the_sun_of_a_sky_shines_from_where_it_is),
+        cmocka_unit_test(a_files_cube_is_seen_from_within),
+        cmocka_unit_test(what_is_asked_for_replaces_the_files_own),
+        cmocka_unit_test(info_counts_the_environment),
         cmocka_unit_test(settings_that_make_no_environment_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

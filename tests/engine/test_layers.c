@@ -1,4 +1,5 @@
-// Thin transmission, diffuse transmission and clearcoats: what they let through, add and keep.
+// Thin transmission, diffuse transmission, clearcoats and sheen: what they let through, add and
+// keep.
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -253,6 +254,90 @@ static void clearcoat_mirrors_by_fresnel_and_dims_the_base(void **state)
     }
 }
 
+// White under white: what the sheen does not send back the base does. The table's steps, and what
+// is lost where the formulas would send back too much.
+static void sheen_over_white_can_hardly_be_seen(void **state)
+{
+    (void)state;
+    skip_without_device();
+    const double angles[] = {0.0, 0.7, 1.2, 1.5};
+    const double roughness[] = {0.0, 0.3, 0.6, 1.0};
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) {
+            char extensions[192];
+            snprintf(extensions, sizeof(extensions),
+                     "\"KHR_materials_sheen\":{\"sheenColorFactor\":[1,1,1],"
+                     "\"sheenRoughnessFactor\":%g},"
+                     "\"KHR_materials_specular\":{\"specularFactor\":0}",
+                     roughness[k]);
+            const struct estimate seen = see_layers(angles[i], 1.0, 0.0, 1.0, extensions);
+            assert_true(seen.mean <= 1.01 + 4.0 * seen.error);
+            if (roughness[k] >= 0.3)
+                assert_agrees("sheet", seen, 1.0, 0.02);
+        }
+}
+
+// The coat's own map turns it alone: smooth and whole over black, it shows what a metal with that
+// map does, by Fresnel of the turned normal.
+static struct rgb see_mapped(const char *format, double angle_rad)
+{
+    static const float positions[] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1};
+    static const float normals[] = {0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
+    static const float texcoords[] = {0, 0, 0, 1, 1, 1, 1, 0};
+    static const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+    static const uint8_t texel[4] = {170, 100, 240, 255};
+    struct gltf_writer writer = {0};
+    const int map = gltf_texture(&writer, texel, 1, 1);
+    char text[512];
+    snprintf(text, sizeof(text), format, map);
+    const struct gltf_mesh mesh = {.positions = positions,
+                                   .normals = normals,
+                                   .texcoords = texcoords,
+                                   .triangles = triangles,
+                                   .vertex_count = 4,
+                                   .triangle_count = 2};
+    gltf_node(&writer, "{\"mesh\":%d}",
+              gltf_mesh(&writer, gltf_material(&writer, "%s", text), &mesh));
+    gltf_light(&writer, (const float[]){1.2f, 2.0f, 0.9f}, origin,
+               "{\"type\":\"directional\",\"intensity\":1}");
+    gltf_camera_flat(&writer, "view",
+                     (const float[]){(float)sin(angle_rad), (float)cos(angle_rad), 0}, origin,
+                     1e-3);
+    struct lk_scene *scene = gltf_load(&writer);
+    struct lk_settings settings = test_settings(32, 32, 64);
+    settings.depth = 1;
+    const struct rgb seen = render_rgb(scene, &settings);
+    lk_scene_free(scene);
+    return seen;
+}
+
+static void clearcoat_follows_its_own_normal_map(void **state)
+{
+    (void)state;
+    skip_without_device();
+    const double angles[] = {-0.5, 0.0, 0.4};
+    for (int i = 0; i < 3; i++) {
+        const struct rgb metal = see_mapped("{\"normalTexture\":{\"index\":%d,\"scale\":0.7},"
+                                            "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.6}}",
+                                            angles[i]);
+        const struct rgb coat = see_mapped(
+            "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0,0,1],\"metallicFactor\":0},"
+            "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0},"
+            "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1,"
+            "\"clearcoatRoughnessFactor\":0.6,"
+            "\"clearcoatNormalTexture\":{\"index\":%d,\"scale\":0.7}}}}",
+            angles[i]);
+        const double n[3] = {0.7 * (2.0 * 170 / 255 - 1), 2.0 * 240 / 255 - 1,
+                             -0.7 * (2.0 * 100 / 255 - 1)};
+        const double cosine = (sin(angles[i]) * n[0] + cos(angles[i]) * n[1]) /
+                              sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        const double share = 0.04 + 0.96 * pow(1.0 - cosine, 5.0);
+        const double error = share * sqrt((1.0 - 0.25) / 0.25 / (32.0 * 32.0 * 64.0));
+        assert_true(metal.v[0] > 0.01);
+        assert_agrees("coat", (struct estimate){coat.v[0] / metal.v[0], error}, share, 1e-3);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -265,6 +350,8 @@ int main(void)
         cmocka_unit_test(blurred_glass_lets_through_what_a_white_metal_mirrors),
         cmocka_unit_test(diffuse_transmission_shares_what_a_sheet_scatters),
         cmocka_unit_test(clearcoat_mirrors_by_fresnel_and_dims_the_base),
+        cmocka_unit_test(sheen_over_white_can_hardly_be_seen),
+        cmocka_unit_test(clearcoat_follows_its_own_normal_map),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

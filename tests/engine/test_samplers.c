@@ -1,4 +1,5 @@
-// Light samplers, shadow rays and multiple importance sampling change the noise, never the mean.
+// Samplers, light samplers, shadow rays and multiple importance sampling change the noise, never
+// the mean.
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,6 +7,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include <math.h>
 #include <stdio.h>
 
 #include "gltf_writer.h"
@@ -170,6 +172,7 @@ static void more_shadow_rays_lower_the_variance(void **state)
     struct lk_settings settings = test_settings(64, 64, 16);
     settings.depth = 1; // what varies is the light taken and, far less, the place in the pixel
     settings.light_sampler = LK_LIGHTS_UNIFORM;
+    settings.sampler = LK_SAMPLER_RANDOM;
     const double one = pixel_variance(scene, settings);
     settings.shadow_rays = 4;
     const double four = pixel_variance(scene, settings);
@@ -178,6 +181,81 @@ static void more_shadow_rays_lower_the_variance(void **state)
     // ratio 3 %. Independent rays give a quarter.
     if (!(four > 0.9 * one / 4.0 && four < 1.1 * one / 4.0))
         fail_msg("the variance is %g with 1 ray and %g with 4", one, four);
+
+    // Spread samples are so among the rays of a hit, too: each of the four lights gets its share.
+    settings.sampler = LK_SAMPLER_SOBOL;
+    settings.spp = 1;
+    const double spread = pixel_variance(scene, settings);
+    assert_true(spread < 0.1 * 16.0 * four);
+    lk_scene_free(scene);
+}
+
+static void spread_samples_have_less_noise_and_the_same_mean(void **state)
+{
+    (void)state;
+    skip_without_device();
+    struct gltf_writer writer = {0};
+    add_stage(&writer, 0.4);
+    add_punctual_lights(&writer);
+    add_surface_lights(&writer);
+    struct lk_scene *scene = gltf_load(&writer);
+    for (int sampler = LK_LIGHTS_TREE; sampler <= LK_LIGHTS_IMPORTANCE; sampler++) {
+        struct lk_settings spread = stage_settings((enum lk_light_sampler)sampler, 1);
+        struct lk_settings random = spread;
+        random.sampler = LK_SAMPLER_RANDOM;
+        assert_same_mean("spread", estimate_image(scene, &spread, SEEDS),
+                         estimate_image(scene, &random, SEEDS));
+        assert_true(pixel_variance(scene, spread) < 0.8 * pixel_variance(scene, random));
+    }
+    lk_scene_free(scene);
+}
+
+// Pearson's correlation.
+static double correlation(const double *a, const double *b, uint32_t count)
+{
+    double mean_a = 0.0, mean_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        mean_a += a[i] / count;
+        mean_b += b[i] / count;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        aa += (a[i] - mean_a) * (a[i] - mean_a);
+        bb += (b[i] - mean_b) * (b[i] - mean_b);
+        ab += (a[i] - mean_a) * (b[i] - mean_b);
+    }
+    return ab / sqrt(aa * bb);
+}
+
+// Pixels that all look at one point share the points of their samples, shifted: what is wrong with
+// one tells nothing of its neighbours, nor of the same pixel under another seed.
+static void noise_of_pixels_and_seeds_is_independent(void **state)
+{
+    (void)state;
+    skip_without_device();
+    enum { SIZE = 64, PIXELS = SIZE * SIZE };
+    struct gltf_writer writer = {0};
+    add_stage(&writer, 0.4);
+    add_surface_lights(&writer);
+    gltf_camera_flat(&writer, "point", (const float[]){0.1f, 1.0f, 0.4f},
+                     (const float[]){0.1f, 0.0f, 0.4f}, 1e-4);
+    struct lk_scene *scene = gltf_load(&writer);
+    double seen[2][PIXELS];
+    for (uint32_t seed = 0; seed < 2; seed++) {
+        struct lk_settings settings = test_settings(SIZE, SIZE, 4);
+        settings.camera = "point";
+        settings.seed = seed;
+        struct lk_image *image = render(scene, &settings);
+        uint32_t width, height;
+        const float *rgb = lk_image_pixels(image, &width, &height);
+        for (uint32_t i = 0; i < PIXELS; i++)
+            seen[seed][i] = rgb[3 * i];
+        lk_image_free(image);
+    }
+    const double chance = 5.0 / SIZE; // five times the spread of unrelated numbers
+    assert_true(fabs(correlation(seen[0], seen[1], PIXELS)) < chance);
+    assert_true(fabs(correlation(seen[0], seen[0] + 1, PIXELS - 1)) < chance);
+    assert_true(fabs(correlation(seen[0], seen[0] + SIZE, PIXELS - SIZE)) < chance);
+    assert_true(fabs(correlation(seen[0], seen[0] + SIZE + 1, PIXELS - SIZE - 1)) < chance);
     lk_scene_free(scene);
 }
 
@@ -188,6 +266,8 @@ int main(void)
         cmocka_unit_test(samplers_agree_on_punctual_lights_alone),
         cmocka_unit_test(weights_of_both_ways_to_a_lamp_sum_to_one),
         cmocka_unit_test(more_shadow_rays_lower_the_variance),
+        cmocka_unit_test(spread_samples_have_less_noise_and_the_same_mean),
+        cmocka_unit_test(noise_of_pixels_and_seeds_is_independent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

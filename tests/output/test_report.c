@@ -91,6 +91,7 @@ static void report_has_every_promised_name(void **state)
                                         "depth",
                                         "shadow_rays",
                                         "light_sampler",
+                                        "sampler",
                                         "quantity",
                                         "brdf",
                                         "trace",
@@ -179,6 +180,7 @@ static void every_choice_has_a_word(void **state)
     assert_int_equal(count(choices_quantity), LK_DIRECT + 1);
     assert_int_equal(count(choices_brdf), LK_BRDF_PHONG + 1);
     assert_int_equal(count(choices_light_sampler), LK_LIGHTS_IMPORTANCE + 1);
+    assert_int_equal(count(choices_sampler), LK_SAMPLER_RANDOM + 1);
     assert_int_equal(count(choices_trace), LK_TRACE_PERSISTENT + 1);
     assert_int_equal(count(choices_textures), LK_TEXTURES_POOL + 1);
     assert_int_equal(count(choices_nodes), LK_NODES_TEXTURE + 1);

@@ -70,6 +70,9 @@ static void make_fixture(struct fixture *out)
             &material->diffuse_transmission_texture,
             &material->coat_texture,
             &material->coat_roughness_texture,
+            &material->coat_normal_texture,
+            &material->sheen_color_texture,
+            &material->sheen_roughness_texture,
             &material->diffuse_transmission_color_texture,
         };
         for (size_t k = 0; k < sizeof(unused) / sizeof(unused[0]); k++)

@@ -13,6 +13,11 @@
     ",\"nodes\":[{\"extensions\":{\"EXT_lights_area\":{\"light\":0}}}],\"extensions\":"            \
     "{\"EXT_lights_area\":{\"lights\":[{" members "}]}}"
 
+// A scene with one light of EXT_lights_image_based.
+#define IMAGE_LIGHT(members)                                                                       \
+    ",\"scenes\":[{\"extensions\":{\"EXT_lights_image_based\":{\"light\":0}}}],\"extensions\":"    \
+    "{\"EXT_lights_image_based\":{\"lights\":[{" members "}]}}"
+
 // Members that must be refused, with the status and a part of the message.
 static const struct {
     const char *members;
@@ -53,6 +58,13 @@ static const struct {
     {",\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],\"extensions\":"
      "{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":-1}]}}",
      STATUS_FORMAT, "negative"},
+    {",\"scenes\":[{\"extensions\":{\"EXT_lights_image_based\":{\"light\":0}}}]", STATUS_FORMAT,
+     "image-based light 0"},
+    {IMAGE_LIGHT("\"intensity\":1"), STATUS_FORMAT, "image-based light 0: specularImages"},
+    {IMAGE_LIGHT("\"specularImages\":[[0,0,0,0,0]]"), STATUS_FORMAT, "six images"},
+    {IMAGE_LIGHT("\"specularImages\":[[0,0,0,0,0,0]]"), STATUS_FORMAT, "image 0"},
+    {IMAGE_LIGHT("\"intensity\":-1,\"specularImages\":[]"), STATUS_FORMAT, "intensity of -1"},
+    {IMAGE_LIGHT("\"rotation\":[0,0,0,0],\"specularImages\":[]"), STATUS_FORMAT, "quaternion"},
     {AREA_LIGHT("\"type\":\"sphere\""), STATUS_FORMAT, "type \"sphere\""},
     {AREA_LIGHT("\"name\":\"lamp\""), STATUS_FORMAT, "area light 0: type"},
     {AREA_LIGHT("\"type\":\"disk\",\"size\":0"), STATUS_FORMAT, "size 0"},

@@ -102,16 +102,32 @@ static void units_are_below_one_and_exact(void **state)
 static void dimensions_are_distinct(void **state)
 {
     (void)state;
-    static const uint32_t indices[] = {0, 1, 2, 1000, 0x3fffff};
-    uint32_t seen[4 * 3 * 5];
+    static const uint32_t indices[] = {0, 1, 2, 1000, 0x1fffff};
+    uint32_t seen[4 * RNG_USE_COUNT * 5];
     size_t count = 0;
     for (uint32_t depth = 0; depth < 256; depth += 85)
-        for (uint32_t use = RNG_USE_CAMERA; use <= RNG_USE_LIGHT; use++)
+        for (uint32_t use = RNG_USE_CAMERA; use < RNG_USE_COUNT; use++)
             for (size_t i = 0; i < 5; i++)
                 seen[count++] = rng_dimension(depth, use, indices[i]);
     for (size_t i = 0; i < count; i++)
         for (size_t j = 0; j < i; j++)
             assert_int_not_equal(seen[i], seen[j]);
+}
+
+// Every block but the camera's, of which there is one, has a place of its own.
+static void blocks_have_places_of_their_own(void **state)
+{
+    (void)state;
+    uint8_t seen[1 + 255 * (RNG_USE_COUNT - 1)] = {0};
+    assert_int_equal(sizeof(seen), rng_block_count(255));
+    seen[rng_block(0, RNG_USE_CAMERA)]++;
+    for (uint32_t depth = 0; depth < 255; depth++)
+        for (uint32_t use = RNG_USE_BSDF; use < RNG_USE_COUNT; use++) {
+            assert_true(rng_block(depth, use) < rng_block_count(depth + 1));
+            seen[rng_block(depth, use)]++;
+        }
+    for (size_t i = 0; i < sizeof(seen); i++)
+        assert_int_equal(seen[i], 1);
 }
 
 int main(void)
@@ -121,6 +137,7 @@ int main(void)
         cmocka_unit_test(pairs_are_uniform),
         cmocka_unit_test(units_are_below_one_and_exact),
         cmocka_unit_test(dimensions_are_distinct),
+        cmocka_unit_test(blocks_have_places_of_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
