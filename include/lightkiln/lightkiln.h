@@ -340,6 +340,15 @@ LK_API enum lk_status lk_image_can_write(const char *path);
 /** Reads an image file as linear RGB; 8-bit files are decoded from sRGB. */
 LK_API enum lk_status lk_image_read(struct lk_image **out, const char *path);
 
+/**
+ * Makes an image of one's own pixels.
+ *
+ * @param pixels  [width * height * 3] linear RGB, rows from the top; copied.
+ * @retval LK_USAGE, LK_NO_MEMORY
+ */
+LK_API enum lk_status lk_image_create(struct lk_image **out, const float *pixels, uint32_t width,
+                                      uint32_t height);
+
 LK_API void lk_image_free(struct lk_image *image);
 
 /** Writes the JSON report of a rendered image. @retval LK_WRITE, LK_USAGE (not a rendered image) */
