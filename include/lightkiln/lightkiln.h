@@ -287,6 +287,8 @@ struct lk_kernel_time {
     char name[32];
     uint64_t calls;
     double time_s;
+    uint64_t rays;  // that it traced; 0: it traces none
+    uint64_t bytes; // that it read and wrote in whole rows, without caches; 0: not known
 };
 
 #define LK_KERNELS_MAX 32
@@ -301,6 +303,7 @@ struct lk_render_info {
         double import, prepare, upload, kernel_build, render, total;
     } time_s;
     uint64_t rays_camera, rays_indirect, rays_shadow;
+    uint64_t rays_directional; // those of rays_shadow towards directional lights and surroundings
     uint64_t paths;
     double spp;                   // samples per pixel, with a fraction if stopped within a pass
     uint32_t kernels_from_source; // programs compiled, 0 on a warm start

@@ -390,9 +390,9 @@ def build():
         "clay": surfaces.stone(from_srgb(0.70, 0.40, 0.27), 256, seed=81, tile=0.8),
         "soil": surfaces.soil(seed=83),
         "leaf": surfaces.leaves(from_srgb(0.36, 0.52, 0.30), seed=85),
-        "bronze": surfaces.metal((0.62, 0.44, 0.24), seed=87, gloss=0.62),
-        "marble": surfaces.marble(from_srgb(0.92, 0.90, 0.86), from_srgb(0.60, 0.56, 0.54), seed=89, gloss=0.7),
-        "water": surfaces.marble(from_srgb(0.10, 0.26, 0.28), from_srgb(0.14, 0.32, 0.32), 256, seed=91, gloss=0.97),
+        "bronze": surfaces.metal((0.62, 0.44, 0.24), seed=87),
+        "marble": surfaces.marble(from_srgb(0.92, 0.90, 0.86), from_srgb(0.60, 0.56, 0.54), seed=89, gloss=0.6),
+        "water": surfaces.marble(from_srgb(0.10, 0.26, 0.28), from_srgb(0.14, 0.32, 0.32), 256, seed=91, gloss=0.8),
         "red": surfaces.cloth(from_srgb(0.68, 0.10, 0.10), from_srgb(0.86, 0.62, 0.26), seed=93),
         "green": surfaces.cloth(from_srgb(0.12, 0.40, 0.20), from_srgb(0.80, 0.66, 0.30), seed=95),
         "blue": surfaces.cloth(from_srgb(0.12, 0.24, 0.55), from_srgb(0.82, 0.68, 0.36), seed=97),
@@ -454,7 +454,7 @@ def build():
 
     level.camera("court", (-4.3, 1.75, HALF_Z - 1.2), (2.2, 3.3, -HALF_Z + 3), 58, 16 / 9)
     level.camera("gallery", (HALF_X + 3.3, 1.75, HALF_Z - 7.0), (HALF_X + 1.5, 2.3, -HALF_Z), 62, 16 / 9)
-    level.camera("upper", (-HALF_X - 0.7, FLOOR_2 + 1.8, 9.6), (3.6, 2.2, -6.0), 62, 16 / 9)
+    level.camera("upper", (-HALF_X + 0.2, FLOOR_2 + 2.0, 9.6), (4.6, 2.2, -4.0), 58, 16 / 9)
     level.camera("fountain", (3.9, 1.6, 5.2), (-1.0, 2.3, -3.0), 55, 16 / 9)
     level.camera("curtain", (-1.2, 1.7, -2.0), (HALF_X, 2.6, -5.6), 55, 16 / 9)
     return level

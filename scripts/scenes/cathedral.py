@@ -444,11 +444,11 @@ def build():
         "web": surfaces.masonry(from_srgb(0.76, 0.73, 0.68), 10, 3, seed=25, tile=2.5, spread=0.08, depth=0.002),
         "plaster": surfaces.plaster(from_srgb(0.42, 0.38, 0.33), seed=27),
         "floor": surfaces.paving(from_srgb(0.76, 0.71, 0.62), from_srgb(0.30, 0.27, 0.26), seed=29, tiles=6, tile=4.8,
-                                 gloss=0.72),
+                                 gloss=0.62),
         "wood": surfaces.wood(from_srgb(0.42, 0.26, 0.15), seed=31, boards=3),
         "marble": surfaces.marble(from_srgb(0.90, 0.88, 0.84), from_srgb(0.50, 0.44, 0.42), seed=33),
-        "brass": surfaces.metal((0.93, 0.72, 0.38), seed=35, gloss=0.74),
-        "iron": surfaces.metal((0.30, 0.29, 0.28), seed=37, gloss=0.5),
+        "brass": surfaces.metal((0.93, 0.72, 0.38), seed=35, gloss=0.52),
+        "iron": surfaces.metal((0.30, 0.29, 0.28), seed=37, gloss=0.42),
         "wax": surfaces.plaster(from_srgb(0.94, 0.90, 0.80), 128, seed=39, tile=0.3, rough=0.0003),
         "flame": surfaces.glow((1.0, 0.82, 0.45)),
         "carpet": surfaces.cloth(from_srgb(0.55, 0.07, 0.08), from_srgb(0.80, 0.56, 0.20), seed=41, tile=1.4),
@@ -485,7 +485,7 @@ def build():
     warm = (1.0, 0.80, 0.56)
     for z in (-7.5, -18.0, -28.5):
         level.place(lamp, move(0, 9.2, z))
-        level.light("point", warm, 230.0, move(0, 8.65, z), 34.0)
+        level.light("point", warm, 230.0, move(0, 8.0, z), 34.0)
     level.light("point", warm, 90.0, move(0, 3.6, END - 0.6), 24.0)
     level.light("point", (1.0, 0.88, 0.72), 160.0, move(0, 15.0, END + 2.6), 34.0)
 

@@ -19,10 +19,10 @@ def build():
         "red": surfaces.plaster(from_srgb(0.78, 0.20, 0.15), seed=7),
         "green": surfaces.plaster(from_srgb(0.28, 0.58, 0.26), seed=11),
         "floor": surfaces.paving(from_srgb(0.80, 0.76, 0.70), from_srgb(0.34, 0.32, 0.31), 512, seed=5,
-                                 tiles=4, tile=2.0, gloss=0.7),
+                                 tiles=4, tile=2.0, gloss=0.6),
         "marble": surfaces.marble(from_srgb(0.90, 0.88, 0.84), from_srgb(0.55, 0.50, 0.46), seed=2, gloss=0.55),
         "plinth": surfaces.marble(from_srgb(0.52, 0.57, 0.55), from_srgb(0.80, 0.80, 0.74), seed=9),
-        "gold": surfaces.metal((0.95, 0.70, 0.30), seed=4, gloss=0.78),
+        "gold": surfaces.metal((0.95, 0.70, 0.30), seed=4, gloss=0.62),
         "lamp": surfaces.lamp((1.0, 0.86, 0.62), 40.0),
     })
     h = SIDE / 2

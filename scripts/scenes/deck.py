@@ -485,9 +485,9 @@ def materials():
         "blue": paint(0.16, 0.30, 0.48, 115, n=256, depth=2),
         "red": paint(0.56, 0.17, 0.13, 117, n=256, depth=2),
         "tread": surfaces.tread(from_srgb(0.48, 0.49, 0.50), seed=119),
-        "steel": surfaces.metal((0.55, 0.55, 0.56), seed=121, gloss=0.56),
-        "pipe": surfaces.metal((0.62, 0.63, 0.66), seed=123, gloss=0.68),
-        "copper": surfaces.metal((0.78, 0.44, 0.28), seed=125, gloss=0.64),
+        "steel": surfaces.metal((0.55, 0.55, 0.56), seed=121, gloss=0.46),
+        "pipe": surfaces.metal((0.62, 0.63, 0.66), seed=123, gloss=0.52),
+        "copper": surfaces.metal((0.78, 0.44, 0.28), seed=125, gloss=0.5),
         "rubber": surfaces.stone(from_srgb(0.10, 0.10, 0.11), 128, seed=127, gloss=0.35, relief=0.0004),
         "hazard": surfaces.hazard(seed=129),
         "tube": surfaces.glow((0.92, 0.97, 1.0)),
@@ -572,10 +572,10 @@ def build():
     cool, warm, teal = (0.86, 0.94, 1.0), (1.0, 0.62, 0.30), (0.35, 0.85, 1.0)
     for index in range(SECTIONS):
         z = -LENGTH * index
-        level.light("point", cool, 110.0, move(8.0, 7.9, z - 2.0), 13.0)
-        level.light("point", cool, 110.0, move(-8.0, 7.9, z - 6.0), 13.0)
+        level.light("point", cool, 110.0, move(8.0, 7.2, z - 2.0), 13.0)
+        level.light("point", cool, 110.0, move(-8.0, 7.2, z - 6.0), 13.0)
         side = 1 if index % 2 else -1
-        level.light("point", warm if index % 4 else teal, 36.0, move(side * 9.4, 2.9, z - 4.0), 9.0)
+        level.light("point", warm if index % 4 else teal, 36.0, move(side * 9.0, 2.9, z - 2.2), 9.0)
     level.light("point", warm, 160.0, move(0, 7.6, -LENGTH * SECTIONS + 1.2), 16.0)
     level.light("directional", (1.0, 0.92, 0.80), 16.0, looking(*SUN))
     fill(level, TRIANGLES, SECTIONS)

@@ -37,7 +37,7 @@ def stone(color, n=512, seed=1, tile=1.0, gloss=0.25, relief=0.002):
     return Surface(base, 0.04, gloss + 0.12 * grain, relief * (0.5 * grain + stain), tile)
 
 
-def marble(light, dark, n=512, seed=1, tile=2.0, gloss=0.8):
+def marble(light, dark, n=512, seed=1, tile=2.0, gloss=0.62):
     """Polished, veined."""
     u, v = coordinates(n)
     folded = np.abs(noise(n, 3.2, seed) - 0.5) * 2
@@ -83,12 +83,12 @@ def wood(color, n=512, seed=1, boards=4, tile=1.0, gloss=0.45):
                    0.002 * plank + 0.0006 * fiber, tile)
 
 
-def metal(color, n=256, seed=1, tile=1.0, gloss=0.62, brushed=3.0):
+def metal(color, n=256, seed=1, tile=1.0, gloss=0.5, brushed=3.0):
     """Bare metal: no diffuse colour, all in the specular map."""
     streak = noise(n, 1.0, seed, low=4, stretch=(0.4, brushed))
     stain = noise(n, 2.6, seed + 1)
     specular = np.asarray(color) * (0.7 + 0.2 * stain + 0.12 * streak)[..., None]
-    return Surface(np.asarray(color) * 0.06, specular, gloss + 0.14 * stain - 0.14 * streak,
+    return Surface(np.asarray(color) * 0.06, specular, gloss + 0.06 * stain - 0.1 * streak,
                    0.0003 * streak, tile)
 
 
@@ -233,7 +233,7 @@ def hull(color, n=512, seed=1, tile=2.0, depth=4, accent=None, wear=0.35):
     bolt = (1 - smooth(spot, 0.2, 0.26)) * (edge > 0.008) * (edge < 0.03)
     base = mix(paint, 0.03, bare) * (0.35 + 0.65 * seam)[..., None]
     specular = mix(np.full(3, 0.045), np.full(3, 0.5), bare)
-    gloss = np.clip(mix(0.5 - 0.2 * dirt, 0.62, bare) * (0.4 + 0.6 * seam), 0, 1)
+    gloss = np.clip(mix(0.45 - 0.2 * dirt, 0.5, bare) * (0.4 + 0.6 * seam), 0, 1)
     height = 0.004 * seam + 0.003 * bolt + 0.001 * by_piece(piece, seed + 6) * seam - 0.0004 * bare
     return Surface(base, specular, gloss, height, tile)
 
@@ -250,7 +250,7 @@ def tread(color, n=512, seed=1, tile=0.8):
     bright = np.clip(tear * (0.4 + 0.6 * grain) * (1.1 - 0.6 * dirt), 0, 1)
     base = np.asarray(color) * (0.65 + 0.45 * dirt)[..., None] * mix(1.0, 0.35, bright)[..., None]
     specular = mix(np.full(3, 0.08), np.full(3, 0.55), bright)
-    return Surface(base, specular, 0.35 + 0.25 * bright - 0.12 * dirt, 0.003 * tear, tile)
+    return Surface(base, specular, 0.35 + 0.15 * bright - 0.12 * dirt, 0.003 * tear, tile)
 
 
 def hazard(n=256, seed=1, tile=0.8):

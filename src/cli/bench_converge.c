@@ -8,6 +8,7 @@
 
 #define REFERENCE_SEED 1000003u // its noise is nobody else's
 #define SPP_LEAST      4.0      // a curve has at least so many samples a pixel
+#define END_SHARE      0.1      // of its time that is not worth another render
 
 // The mean of several renders, and what they took.
 struct blend {
@@ -68,7 +69,7 @@ static enum status measure_curve(struct bench_curve *out, struct blend *blend,
         const double left_s = plan->converge_s - blend->point.time_s;
         const double each_s = blend->point.time_s / blend->point.spp; // NaN at first
         if (out->count > 0 && settings.spp * each_s > left_s)
-            settings.spp = left_s > each_s ? (uint32_t)(left_s / each_s) : 0;
+            settings.spp = left_s > END_SHARE * plan->converge_s ? (uint32_t)(left_s / each_s) : 0;
         if (settings.spp == 0 && blend->point.spp < SPP_LEAST)
             settings.spp = 1;
         if (settings.spp == 0)

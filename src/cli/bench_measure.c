@@ -106,7 +106,7 @@ enum status bench_picture(const struct lk_image *image, double mean, const struc
 {
     char file[160];
     char path[4096];
-    snprintf(file, sizeof(file), "%s.png", name);
+    snprintf(file, sizeof(file), "%s.jpg", name);
     const enum status status = bench_path(path, sizeof(path), plan->folder, file);
     if (status != STATUS_OK)
         return status;

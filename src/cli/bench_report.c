@@ -256,7 +256,7 @@ static void write_pictures(FILE *file, const struct bench_results *results)
     for (unsigned i = 0; i < results->scene_count; i++)
         for (unsigned v = 0; v < results->scenes[i].view_count; v++) {
             const struct bench_view *view = &results->scenes[i].views[v];
-            fprintf(file, "| %s | ![](figure9_%s_direct.png) | ![](figure9_%s_all.png) |\n",
+            fprintf(file, "| %s | ![](figure9_%s_direct.jpg) | ![](figure9_%s_all.jpg) |\n",
                     view->title, view->name, view->name);
         }
     fprintf(file, "\n### Figure 10: after the same time, with 1 and with 4 shadow rays\n\n"
@@ -265,13 +265,13 @@ static void write_pictures(FILE *file, const struct bench_results *results)
         for (unsigned v = 0; v < results->scenes[i].view_count; v++) {
             const struct bench_view *view = &results->scenes[i].views[v];
             if (view->has_curves)
-                fprintf(file, "| %s | ![](figure10_%s_1.png) | ![](figure10_%s_4.png) |\n",
+                fprintf(file, "| %s | ![](figure10_%s_1.jpg) | ![](figure10_%s_4.jpg) |\n",
                         view->title, view->name, view->name);
         }
     fprintf(file, "\n### Figure 11: what the cameras see\n\n");
     for (unsigned i = 0; i < results->scene_count; i++)
         for (unsigned c = 0; c < results->scenes[i].picture_count; c++)
-            fprintf(file, "![%s](figure11_%s_%s.png)\n", results->scenes[i].name,
+            fprintf(file, "![%s](figure11_%s_%s.jpg)\n", results->scenes[i].name,
                     results->scenes[i].name, results->scenes[i].pictures[c]);
 }
 

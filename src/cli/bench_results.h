@@ -93,7 +93,7 @@ enum status bench_view_measure(struct bench_view *view, struct lk_scene *scene,
 enum status bench_deliver(const struct bench_table *table, const struct lk_device_info *device,
                           const struct options *options, const char *experiment);
 
-/** Writes FOLDER/NAME.png so that a mean value comes out at a middle grey. */
+/** Writes FOLDER/NAME.jpg so that a mean value comes out at a middle grey. */
 enum status bench_picture(const struct lk_image *image, double mean, const struct bench_plan *plan,
                           const char *name);
 

@@ -79,7 +79,7 @@ const struct option option_table[] = {
     HEADING(BENCH, "Experiments"),
     {"quick", 0, BENCH, NULL, "all of it small: minutes on two cores", NULL, FLAG(quick)},
     {"out", 0, BENCH, "FOLDER", "where report, memory and scale write", NULL, TEXT(out)},
-    {"reference", 0, BENCH, "FILE", "lights: image of the same scene, camera, size and depth", "rendered", TEXT(reference)},
+    {"reference", 0, BENCH, "PATH", "lights: image of this scene; report: folder", "rendered", TEXT(reference)},
     {"reference-time", 0, BENCH, "S", "seconds to render a reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
     {"runs", 0, BENCH, "N", "trace: measured runs of each class of rays", NULL, UINT(runs, 1, 1000)},
 
