@@ -11,7 +11,7 @@ import numpy as np
 
 from . import statue, surfaces
 from .gltf import Level, Part, looking
-from .mesh import (arched_wall, bent, box, circle, faceted, ground, lathe, merge, move, on_path, patch, pointed,
+from .mesh import (arched_wall, bent, box, faceted, ground, lathe, merge, move, on_path, patch, pointed,
                    prism, rectangle, round_arch, size, sweep, tube, turn)
 from .texture import from_srgb
 
@@ -22,6 +22,7 @@ HALF_X, HALF_Z = 6.0, 15.0
 DEPTH = 4.4                # of the galleries
 SPRING, FLOOR_2 = 3.5, 6.0
 SPRING_2, EAVES = 8.9, 11.2
+SWAP_XZ = np.array([[0, 0, 1, 0], [0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1.0]])
 
 
 def column(radius, height, segments):
@@ -175,8 +176,7 @@ def wall(part, width, back, kind):
                 turn("x", 90), move(s * 0.08, 1.05, back - 0.34)))
     else:
         a = np.linspace(0, math.pi, 13)
-        ys = np.concatenate([[foot], np.linspace(spring, spring, 1)])
-        shell = np.stack([np.stack([-half * np.cos(a), np.full(13, y), -0.5 * np.sin(a)], axis=1) for y in ys])
+        shell = np.stack([np.stack([-half * np.cos(a), np.full(13, y), -0.5 * np.sin(a)], axis=1) for y in (foot, spring)])
         niche = patch(shell)
         niche = niche if niche.normals[:, 2].sum() > 0 else niche.flipped()
         b = np.linspace(0, math.pi / 2, 9)
@@ -292,7 +292,6 @@ def agave(seed):
 
 def fountain():
     part = Part("fountain")
-    octagon = lambda r, low, high: lathe([(r, low), (r, high)], 8)
     part.add("trim", lathe([(2.5, 0), (2.5, 0.16), (2.36, 0.2), (2.36, 0.24), (2.24, 0.34), (2.24, 0.62), (2.38, 0.70),
                             (2.42, 0.78), (2.36, 0.84), (2.02, 0.84), (1.98, 0.78), (1.98, 0.22), (0, 0.22)], 8).at(turn("y", 22.5)))
     for k in range(8):
@@ -367,10 +366,9 @@ def corner():
     part.add("stone", box(0.8, FLOOR_2, 0.8, 0.03, (0, FLOOR_2 / 2, 0)), box(0.6, EAVES - FLOOR_2, 0.6, 0.03, (0, (EAVES + FLOOR_2) / 2, 0)))
     part.add("trim", box(0.96, 0.3, 0.96, 0.04, (0, 0.15, 0)), box(0.96, 0.24, 0.96, 0.06, (0, SPRING - 0.12, 0)))
     # The arches between the corner and the galleries.
-    for turned in (0, 90):
+    for turned in (False, True):
         arch = arched_wall(round_arch(DEPTH / 2 - 0.3, SPRING, SPRING, 16, BAY / 2 - 0.5), DEPTH, FLOOR_2 - 0.3, 0.4, rows=1)
-        part.add("stone", arch.at(turn("y", 90), move(0, 0, -DEPTH / 2 - 0.32), turn("y", 0) if not turned else np.array(
-            [[0, 0, 1, 0], [0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1.0]])))
+        part.add("stone", arch.at(turn("y", 90), move(0, 0, -DEPTH / 2 - 0.32), SWAP_XZ if turned else np.eye(4)))
     return part
 
 
@@ -442,7 +440,7 @@ def build():
 
     # Two figures on plinths take what is left.
     stand = Part("plinth")
-    stand.add("trim", lathe([(r * 1.0, y) for r, y in statue.plinth(1.3, 1.1)], 8).at(turn("y", 22.5)))
+    stand.add("trim", lathe([(r, y) for r, y in statue.plinth(1.3, 1.1)], 8).at(turn("y", 22.5)))
     for s in (-1, 1):
         level.place(stand, move(0, 0, s * 10.5))
     rows = 112

@@ -11,8 +11,8 @@ import numpy as np
 
 from . import statue, surfaces
 from .gltf import Level, Part
-from .mesh import (Mesh, arched_wall, bent, box, circle, faceted, ground, lathe, merge, move, on_path, patch,
-                   pointed, pointed_arch, prism, rectangle, size, sweep, tube, turn)
+from .mesh import (arched_wall, bent, box, circle, faceted, ground, lathe, move, on_path, patch, pointed,
+                   pointed_arch, prism, rectangle, sweep, tube, turn)
 from .texture import from_srgb
 
 TRIANGLES = 205_000
@@ -98,7 +98,7 @@ def vault(width, length, rise, steps=10):
             grid = np.stack([sign * a * u * t, y, b * t], axis=2)
             web = patch(grid if sign > 0 else grid.transpose(1, 0, 2))
             web = web if web.normals[:, 1].sum() < 0 else web.flipped()
-            web.uvs = web.points[:, [0, 2]] * 1.0
+            web.uvs = web.points[:, [0, 2]].copy()
             webs.append(web.at(turn("y", 90 * k)))
     t = np.linspace(-1, 1, 2 * steps + 1)
     for sign in (-1, 1):
@@ -111,19 +111,14 @@ def vault(width, length, rise, steps=10):
 
 
 def arch_sweep(profile, path, axis):
-    """A profile along an arch in the upright plane whose normal is `axis`: its up points outwards."""
-    flipped = profile * [1, 1]
-    mesh = sweep(np.stack([flipped[:, 1], flipped[:, 0]], axis=1)[::-1], path, axis)
-    # Which side is out depends on which way the arch is walked.
-    middle = path[len(path) // 2]
-    lowest = mesh.points[np.abs(mesh.points - middle).sum(axis=1).argsort()[:40], 1].mean()
-    if lowest > middle[1]:
-        return arch_sweep_back(profile, path, axis)
-    return mesh
-
-
-def arch_sweep_back(profile, path, axis):
-    return sweep(np.stack([-profile[:, 1], profile[:, 0]], axis=1), path, axis)
+    """A profile along an arch in the upright plane whose normal is `axis`: its up points out of the arch."""
+    profile, path = np.asarray(profile), np.asarray(path)
+    start = path[1] - path[0]
+    side = np.cross(start, axis)  # sweep()'s side at the arch's foot
+    inwards = path[-1] - path[0]
+    if side @ inwards > 0:
+        return sweep(np.stack([-profile[:, 1], profile[:, 0]], axis=1), path, axis)
+    return sweep(np.stack([profile[:, 1], profile[:, 0]], axis=1)[::-1], path, axis)
 
 
 def moulded_arch(opening, width=0.34, z=0.0, axis=(0, 0, 1)):
@@ -373,11 +368,10 @@ def apse(level):
             s, v = np.meshgrid(np.linspace(0, 1, 5), u, indexing="ij")
             x = radius * v * ((1 - s) * math.sin(a0) + s * math.sin(a1) / math.cos(math.radians(18)))
             z = radius * v * ((1 - s) * math.cos(a0) + s * math.cos(a1) / math.cos(math.radians(18)))
-            y = SPRING + RISE * pointed(v * s) * 1.0
-            y = np.minimum(y, SPRING + RISE) + 0.0 * s
+            y = SPRING + RISE * pointed(v * s)
             mesh = patch(np.stack([x, y, z], axis=2))
             mesh = mesh if mesh.normals[:, 1].sum() < 0 else mesh.flipped()
-            mesh.uvs = mesh.points[:, [0, 2]] * 1.0
+            mesh.uvs = mesh.points[:, [0, 2]].copy()
             web.add("web", mesh)
     level.place(web, move(0, 0, END))
 

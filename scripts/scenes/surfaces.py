@@ -109,20 +109,6 @@ def cloth(color, thread, n=512, seed=1, tile=1.2):
                    double_sided=True)
 
 
-def roof_tiles(color, n=512, seed=1, tile=2.0):
-    """Rows of round clay tiles."""
-    u, v = coordinates(n)
-    rows, columns = 6, 10
-    piece = (np.floor(v * rows) * columns + np.floor(u * columns)).astype(int)
-    fu, fv = (u * columns) % 1, (v * rows) % 1
-    hump = np.sqrt(np.maximum(1 - (2 * fu - 1) ** 2, 0))
-    lap = fv
-    base = np.asarray(color) * (by_piece(piece, seed, 0.6, 1.2) * (0.4 + 0.6 * hump)
-                                * (0.5 + 0.5 * smooth(lap, 0, 0.12))
-                                * (0.8 + 0.3 * noise(n, 1.8, seed)))[..., None]
-    return Surface(base, 0.03, 0.2 + 0.1 * hump, 0.05 * hump + 0.02 * lap, tile)
-
-
 def leaves(color, n=256, seed=1, tile=0.3):
     """Green with veins."""
     u, v = coordinates(n)

@@ -20,7 +20,7 @@ struct bench_plan bench_plan_of(const struct options *options)
         .options = options,
         .folder = options->out,
         .sizes = {quick ? 128 : 512, quick ? 256 : 1024},
-        .measure_s = quick ? 0.4 : 4.0,
+        .measure_s = quick ? 0.4 : 3.0,
         .converge_s = time_s > 0.0 ? time_s
                       : quick      ? QUICK_CONVERGE_S
                                    : CONVERGE_S,
