@@ -452,7 +452,7 @@ def build():
 
     level.camera("court", (-4.3, 1.75, HALF_Z - 1.2), (2.2, 3.3, -HALF_Z + 3), 58, 16 / 9)
     level.camera("gallery", (HALF_X + 3.3, 1.75, HALF_Z - 7.0), (HALF_X + 1.5, 2.3, -HALF_Z), 62, 16 / 9)
-    level.camera("upper", (-HALF_X + 0.2, FLOOR_2 + 2.0, 9.6), (4.6, 2.2, -4.0), 58, 16 / 9)
+    level.camera("upper", (-HALF_X + 0.7, FLOOR_2 + 2.2, 9.6), (4.6, 2.2, -4.0), 58, 16 / 9)
     level.camera("fountain", (3.9, 1.6, 5.2), (-1.0, 2.3, -3.0), 55, 16 / 9)
     level.camera("curtain", (-1.2, 1.7, -2.0), (HALF_X, 2.6, -5.6), 55, 16 / 9)
     return level

@@ -53,7 +53,7 @@ enum status command_bench(const struct options *options)
                                experiment->scenes_min, experiment->scenes_max, scenes);
         return experiment->run(options);
     }
-    return status_fail(STATUS_USAGE,
-                       "there is no experiment %s; there are report, lights, trace, memory and scale",
-                       name);
+    return status_fail(
+        STATUS_USAGE,
+        "there is no experiment %s; there are report, lights, trace, memory and scale", name);
 }

@@ -66,6 +66,11 @@ static const char *verdict_above(const struct range *range)
 
 // ---- Section 4.2.1
 
+uint64_t bench_total_memory(const struct bench_scene *scene)
+{
+    return scene->used.total_device - scene->used.film + scene->info[DEFAULT_AT].memory.film;
+}
+
 static void conclude_memory(struct bench_table *out, const struct bench_results *results)
 {
     struct range geometry = {0};
@@ -76,16 +81,17 @@ static void conclude_memory(struct bench_table *out, const struct bench_results 
     for (unsigned i = 0; i < results->scene_count; i++) {
         const struct lk_scene_info *info = &results->scenes[i].info[DEFAULT_AT];
         const double triangles = (double)info->triangles;
-        widen(&geometry, (double)info->memory.geometry / triangles);
-        widen(&bvh, (double)info->memory.bvh / triangles);
-        widen(&share, (double)info->memory.bvh / (double)info->memory.geometry);
+        const struct lk_memory *used = &results->scenes[i].used;
+        widen(&geometry, (double)used->geometry / triangles);
+        widen(&bvh, (double)used->bvh / triangles);
+        widen(&share, (double)used->bvh / (double)used->geometry);
         widen(&rays, (double)info->memory.rays / MEGABYTE);
         widen(&quarter, (double)info->memory.rays / (double)results->scenes[i].info[0].memory.rays);
     }
     add(out, "geometry grows linearly with the triangles",
         verdict(geometry.count > 1, geometry.high < 1.25 * geometry.low),
-        "145 to 174 bytes a triangle", "%.0f to %.0f bytes a triangle", geometry.low,
-        geometry.high);
+        "145 to 174 bytes a triangle", "%.0f to %.0f bytes a triangle, by how many share a corner",
+        geometry.low, geometry.high);
     add(out, "the BVH grows linearly, too", verdict(bvh.count > 1, bvh.high < 1.25 * bvh.low),
         "14 to 15 bytes a triangle", "%.0f to %.0f bytes a triangle", bvh.low, bvh.high);
     add(out, "the BVH is small beside the geometry", verdict(share.count > 0, share.high < 0.5),
@@ -106,17 +112,17 @@ static void conclude_limits(struct bench_table *out, const struct bench_results 
         const struct thesis_scene *thesis = scene->thesis;
         if (thesis == NULL || thesis->triangles < 1e6)
             continue;
-        const double total = (double)scene->info[DEFAULT_AT].memory.total_device / MEGABYTE;
+        const double total = (double)bench_total_memory(scene) / MEGABYTE;
         add(out, "a whole game level fits: the deck at 1024 x 1024 takes no more than DMDeck",
             verdict(true, total <= thesis->footprint_mb), "528 MB", "%.0f MB", total);
     }
     if (results->scene_count > 0) {
         const struct bench_scene *scene = &results->scenes[0];
-        const double each = (double)scene->used.rays / (double)scene->queue;
-        const double all = each * 1048576.0 / MEGABYTE;
-        add(out, "per-ray data of 1024 x 1024 paths take at most half of the thesis's",
-            verdict(true, all <= 0.5 * THESIS_RAYS_MB), "188 MB", "%.0f MB, %.0f bytes a path", all,
-            each);
+        const double rays = (double)scene->used.rays / MEGABYTE;
+        add(out, "per-ray data at 1024 x 1024 take at most half of the thesis's",
+            verdict(true, rays <= 0.5 * THESIS_RAYS_MB), "188 MB",
+            "%.0f MB: %u paths in flight, %.0f bytes each", rays, scene->queue,
+            (double)scene->used.rays / scene->queue);
     }
 }
 

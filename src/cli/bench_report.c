@@ -28,6 +28,7 @@ static const struct bench_column table1_columns[] = {
     {"geometry_mb", "geometry, MB", "%.1f"},
     {"materials_mb", "materials, MB", "%.1f"},
     {"lights_mb", "lights, MB", "%.1f"},
+    {"queue", "paths in flight", "%.0f"},
     {"rays_mb", "per-ray data, MB", "%.1f"},
     {"film_mb", "film, MB", "%.1f"},
     {"total_mb", "total, MB", "%.1f"},
@@ -121,13 +122,14 @@ static void fill_table1(struct bench_table *out, const struct bench_results *res
         bench_number(out, (double)info->lights.directional);
         bench_number(out, (double)(info->lights.rect + info->lights.disc));
         bench_number(out, (double)info->lights.emissive_triangles);
-        bench_number(out, (double)info->memory.bvh * MB);
-        bench_number(out, (double)info->memory.geometry * MB);
-        bench_number(out, (double)info->memory.materials * MB);
-        bench_number(out, (double)info->memory.lights * MB);
-        bench_number(out, (double)info->memory.rays * MB);
+        bench_number(out, (double)scene->used.bvh * MB);
+        bench_number(out, (double)scene->used.geometry * MB);
+        bench_number(out, (double)scene->used.materials * MB);
+        bench_number(out, (double)scene->used.lights * MB);
+        bench_number(out, scene->queue);
+        bench_number(out, (double)scene->used.rays * MB);
         bench_number(out, (double)info->memory.film * MB);
-        bench_number(out, (double)info->memory.total_device * MB);
+        bench_number(out, (double)bench_total_memory(scene) * MB);
         bench_text(out, thesis != NULL ? thesis->thesis : "-");
         bench_number(out, there->triangles);
         bench_number(out, there->point);

@@ -103,6 +103,9 @@ double bench_mean(const struct lk_image *image);
 /** The time, or the rays, that a curve takes to a variance; infinite if it never gets there. */
 double bench_curve_reach(const struct bench_curve *curve, double variance, bool rays);
 
+/** Bytes on the device at 1024 x 1024, with the ray queue of the timed renders. */
+uint64_t bench_total_memory(const struct bench_scene *scene);
+
 /** Figure 6: what a shadow ray costs, in camera and indirect rays; indices of thesis_depths and
  * thesis_shadow_rays. */
 double bench_shadow_cost(const struct bench_scene *scene, int depth, int shadow);

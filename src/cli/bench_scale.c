@@ -18,7 +18,7 @@ static const struct bench_column columns[] = {
     {"import_s", "import, s", "%.2f"},
     {"prepare_s", "preparation, s", "%.2f"},
     {"bvh_bytes_per_triangle", "BVH, bytes a triangle", "%.0f"},
-    {"light_bytes_per_light", "lights, bytes each", "%.0f"},
+    {"lights_mb", "lights, MB", "%.2f"},
     {"total_mb", "on the device, MB", "%.0f"},
     {"peak_host_mb", "host at most so far, MB", "%.0f"},
     {"mrays_per_s", "Mrays/s", "%.2f"},
@@ -55,7 +55,7 @@ static enum status measure(struct bench_table *table, struct lk_device_info *dev
         bench_number(table, info->time_s.import);
         bench_number(table, info->time_s.prepare);
         bench_number(table, (double)memory->bvh / (double)info->scene.triangles);
-        bench_number(table, (double)memory->lights / (double)info->scene.lights.drawn);
+        bench_number(table, (double)memory->lights * 1e-6);
         bench_number(table, (double)memory->total_device * 1e-6);
         bench_number(table, (double)memory->peak_host * 1e-6);
         bench_number(table, rays / info->time_s.render * 1e-6);

@@ -111,13 +111,13 @@ static void make_results(struct bench_results *out, bool as_thesis)
         struct bench_scene *scene = &out->scenes[i];
         scene->thesis = thesis_find("cornell");
         scene->queue = 1000;
-        scene->used.rays = as_thesis ? 50000 : 500000;
+        scene->used.rays = as_thesis ? 50000000 : 500000000;
         for (int s = 0; s < 2; s++) {
             struct lk_scene_info *info = &scene->info[s];
             info->triangles = 1000u << i;
             info->lights.drawn = 1;
-            info->memory.geometry = as_thesis ? 100 * info->triangles : 100;
-            info->memory.bvh = as_thesis ? 10 * info->triangles : 1000;
+            scene->used.geometry = as_thesis ? 100 * info->triangles : 100;
+            scene->used.bvh = as_thesis ? 10 * info->triangles : 1000;
             info->memory.rays = (as_thesis ? 1000 : 1000 + i) * (as_thesis && s ? 4 : 1);
         }
         for (int k = 0; k < 8; k++) {
