@@ -189,6 +189,29 @@ static enum status measure_speeds(struct bench_scene *out, struct lk_scene *scen
     return STATUS_OK;
 }
 
+// What half of the thesis's per-ray data cost in speed.
+static enum status measure_small_queue(struct bench_scene *out, struct lk_scene *scene,
+                                       const struct bench_plan *plan)
+{
+    struct lk_image *image = NULL;
+    struct lk_settings settings = bench_settings(plan, plan->sizes[1], out->views[0].camera);
+    const double each = (double)out->used.rays / out->queue;
+    const double most = 0.5e6 * THESIS_RAYS_MB / each;
+    out->small_queue = most < out->queue ? (uint32_t)most : out->queue;
+    settings.queue = out->small_queue;
+    settings.time_s = plan->measure_s;
+    settings.depth = thesis_depths[1];
+    settings.shadow_rays = thesis_shadow_rays[0];
+    const enum status status = bench_render(&image, scene, &settings, plan);
+    if (status != STATUS_OK)
+        return status;
+    const struct lk_render_info *info = lk_image_info(image);
+    out->small_rays_per_s =
+        (double)(info->rays_camera + info->rays_indirect + info->rays_shadow) / info->time_s.render;
+    lk_image_free(image);
+    return STATUS_OK;
+}
+
 static bool has_camera(const struct lk_scene *scene, const char *name)
 {
     const char *camera = NULL;
@@ -278,6 +301,8 @@ enum status bench_scene_measure(struct bench_scene *out, const char *file,
     }
     if (status == STATUS_OK)
         status = measure_speeds(out, scene, plan);
+    if (status == STATUS_OK)
+        status = measure_small_queue(out, scene, plan);
     for (unsigned i = 0; i < out->view_count && status == STATUS_OK; i++) {
         out->views[i].has_curves = out->info[0].lights.drawn > 0;
         status = bench_view_measure(&out->views[i], scene, plan);

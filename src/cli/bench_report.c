@@ -129,7 +129,7 @@ static void fill_table1(struct bench_table *out, const struct bench_results *res
         bench_number(out, scene->queue);
         bench_number(out, (double)scene->used.rays * MB);
         bench_number(out, (double)info->memory.film * MB);
-        bench_number(out, (double)bench_total_memory(scene) * MB);
+        bench_number(out, (double)bench_total_memory(scene, scene->queue) * MB);
         bench_text(out, thesis != NULL ? thesis->thesis : "-");
         bench_number(out, there->triangles);
         bench_number(out, there->point);

@@ -58,6 +58,8 @@ struct bench_scene {
     struct lk_device_info device;
     struct lk_memory used;             // by the largest of the timed renders
     uint32_t queue;                    // of those
+    uint32_t small_queue;              // whose per-ray data are half of the thesis's, or less
+    double small_rays_per_s;           // with it: larger size, depth 5, 1 shadow ray
     struct bench_speed speed[2][2][2]; // [size][depth][shadow rays]
     struct bench_view views[BENCH_VIEWS_MAX];
     unsigned view_count;
@@ -103,8 +105,8 @@ double bench_mean(const struct lk_image *image);
 /** The time, or the rays, that a curve takes to a variance; infinite if it never gets there. */
 double bench_curve_reach(const struct bench_curve *curve, double variance, bool rays);
 
-/** Bytes on the device at 1024 x 1024, with the ray queue of the timed renders. */
-uint64_t bench_total_memory(const struct bench_scene *scene);
+/** Bytes on the device at 1024 x 1024, with so many paths in flight. */
+uint64_t bench_total_memory(const struct bench_scene *scene, uint32_t queue);
 
 /** Figure 6: what a shadow ray costs, in camera and indirect rays; indices of thesis_depths and
  * thesis_shadow_rays. */

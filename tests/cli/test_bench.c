@@ -112,6 +112,7 @@ static void make_results(struct bench_results *out, bool as_thesis)
         scene->thesis = thesis_find("cornell");
         scene->queue = 1000;
         scene->used.rays = as_thesis ? 50000000 : 500000000;
+        scene->small_queue = scene->queue;
         for (int s = 0; s < 2; s++) {
             struct lk_scene_info *info = &scene->info[s];
             info->triangles = 1000u << i;
@@ -129,6 +130,8 @@ static void make_results(struct bench_results *out, bool as_thesis)
             if (k & 1)
                 speed->lighting *= as_thesis ? 2.0 : 8.0;
         }
+        scene->used.materials = as_thesis ? 0 : 1000000000;
+        scene->small_rays_per_s = (as_thesis ? 1.0 : 0.5) * scene->speed[1][1][0].rays_per_s;
         scene->view_count = 1;
         scene->views[0] = (struct bench_view){
             .title = "view",
