@@ -38,7 +38,7 @@ HELP_OBJ := $(call object,$(HELP_SRC)) $(B)/gen/test_cl_sources.o
 HEADERS  := $(wildcard include/*/*.h src/*.h src/*/*.h src/*/*.hpp tests/*.h tests/*/*.h)
 FORMATTED := $(wildcard bench/*.c src/*.c src/*/*.c src/*/*.cpp tests/*.c tests/*/*.c cl/*.cl cl/*/*.h) $(TEST_CL) $(HEADERS)
 
-.PHONY: all demo bench-peers test test-device run-tests lint asan format install portable clean help setup FORCE
+.PHONY: all demo bench bench-peers test test-device run-tests lint asan format install portable clean help setup FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -49,6 +49,19 @@ demo: setup ## Sets up, builds, and renders the Cornell box to build/demo/
 	$(Q)mkdir -p $(B)/demo
 	$(B)/lightkiln render scenes/cornell.gltf -o $(B)/demo/cornell.exr --width 256
 	$(B)/lightkiln render scenes/cornell.gltf -o $(B)/demo/cornell.png --width 256
+
+# FULL=1 takes what the experiments take; BENCH='--device gpu --time 60' hands options on.
+BENCH_SCENES := $(addprefix $(B)/scenes/,cornell.glb cathedral.glb atrium.glb deck.glb)
+bench: ## Runs the thesis's experiments on scenes of our own into build/bench: report, tables, plots
+	$(Q)scripts/setup
+	$(Q)scripts/setup --bench
+	$(Q)$(MAKE) --no-print-directory $(parallel) all $(BENCH_SCENES)
+	$(B)/lightkiln bench report $(BENCH_SCENES) $(if $(FULL),,--quick) --out $(B)/bench $(BENCH)
+	$(Q)scripts/plot $(B)/bench
+	@echo 'Read $(B)/bench/report.md'
+$(B)/scenes/%.glb: scripts/make_scenes $(wildcard scripts/scenes/*.py)
+	$(call say,SCENE,$@)
+	$(Q)scripts/make_scenes --out $(@D) $*
 
 test: setup ## Sets up, builds, and runs every test
 	$(Q)$(MAKE) --no-print-directory $(parallel) run-tests

@@ -92,5 +92,5 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
         paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;
     }
     if (traced != 0)
-        atomic_add(&counters[bounce].shadow_rays, traced);
+        atomic_add(&counters[bounce].directional_rays, traced);
 }

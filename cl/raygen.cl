@@ -31,9 +31,9 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
         zero.direct_head = 0;
         zero.directional_head = 0;
         zero.shadow_rays = 0;
+        zero.directional_rays = 0;
         zero.pad0 = 0;
         zero.pad1 = 0;
-        zero.pad2 = 0;
         counters[slot] = zero;
     }
     if (slot >= batch.count)

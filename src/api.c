@@ -4,6 +4,7 @@
 #include "lightkiln/lightkiln.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/clock.h"
 #include "core/file.h"
@@ -151,6 +152,27 @@ enum lk_status lk_image_read(struct lk_image **out, const char *path)
         free(image);
         return (enum lk_status)status;
     }
+    *out = image;
+    return LK_OK;
+}
+
+enum lk_status lk_image_create(struct lk_image **out, const float *pixels, uint32_t width,
+                               uint32_t height)
+{
+    const size_t size = (size_t)width * height * 3 * sizeof(*pixels);
+    if (size == 0)
+        return (enum lk_status)status_fail(STATUS_USAGE, "an image of %u x %u pixels", width,
+                                           height);
+    struct lk_image *image = calloc(1, sizeof(*image));
+    float *rgb = malloc(size);
+    if (image == NULL || rgb == NULL) {
+        free(rgb);
+        free(image);
+        return (enum lk_status)status_fail(
+            STATUS_NO_MEMORY, "not enough memory for an image of %u x %u", width, height);
+    }
+    memcpy(rgb, pixels, size);
+    *image = (struct lk_image){.rgb = rgb, .width = width, .height = height};
     *out = image;
     return LK_OK;
 }

@@ -16,6 +16,8 @@
 #include "render.h"
 #include "scene/gltf_import.h"
 #include "settings.h"
+#include "shared/path.h"
+#include "shared/ray.h"
 
 #define QUEUE_MIN 1024u // paths; below it launches cost more than they do
 // Log2 of the points of a block: 1024 are 340 KB for a depth of 5.
@@ -296,6 +298,19 @@ static char *copy_text(const char *text)
     return text != NULL ? strdup(text) : NULL;
 }
 
+// What a kernel traced, or moved where every path moves the same.
+static void count_work(struct lk_kernel_time *kernel, const struct lk_render_info *info)
+{
+    if (strcmp(kernel->name, "trace") == 0)
+        kernel->rays = info->rays_camera + info->rays_indirect;
+    else if (strcmp(kernel->name, "direct") == 0)
+        kernel->rays = info->rays_shadow - info->rays_directional;
+    else if (strcmp(kernel->name, "directional") == 0)
+        kernel->rays = info->rays_directional;
+    else if (strcmp(kernel->name, "raygen") == 0)
+        kernel->bytes = info->paths * (sizeof(struct ray) + sizeof(struct path) + sizeof(uint32_t));
+}
+
 // Makes the image of what has been rendered.
 static enum status take_image(struct lk_image **out, struct renderer *r,
                               struct lk_render_info *info)
@@ -319,6 +334,7 @@ static enum status take_image(struct lk_image **out, struct renderer *r,
         info->kernels[i].calls = entries[i].calls;
         info->kernels[i].time_s = entries[i].time_s;
         memcpy(info->kernels[i].name, entries[i].name, sizeof(info->kernels[i].name));
+        count_work(&info->kernels[i], info);
     }
     info->time_s.total = clock_seconds() - r->start_s + info->time_s.import;
     image->width = r->camera.width;

@@ -52,7 +52,8 @@ static enum status render_batch(struct renderer *r, struct lk_render_info *info,
     info->rays_camera += batch.count;
     for (uint32_t i = 0; i < r->wavefront.bounce_count; i++) {
         info->rays_indirect += i > 0 ? pace->counters[i].active : 0;
-        info->rays_shadow += pace->counters[i].shadow_rays;
+        info->rays_shadow += pace->counters[i].shadow_rays + pace->counters[i].directional_rays;
+        info->rays_directional += pace->counters[i].directional_rays;
     }
     return STATUS_OK;
 }

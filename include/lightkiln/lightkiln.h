@@ -294,6 +294,8 @@ struct lk_kernel_time {
     char name[32];
     uint64_t calls;
     double time_s;
+    uint64_t rays;  // that it traced; 0: it traces none
+    uint64_t bytes; // that it read and wrote in whole rows, without caches; 0: not known
 };
 
 #define LK_KERNELS_MAX 32
@@ -308,6 +310,7 @@ struct lk_render_info {
         double import, prepare, upload, kernel_build, render, total;
     } time_s;
     uint64_t rays_camera, rays_indirect, rays_shadow;
+    uint64_t rays_directional; // those of rays_shadow towards directional lights and surroundings
     uint64_t paths;
     double spp;                   // samples per pixel, with a fraction if stopped within a pass
     uint32_t kernels_from_source; // programs compiled, 0 on a warm start
@@ -346,6 +349,15 @@ LK_API enum lk_status lk_image_can_write(const char *path);
 
 /** Reads an image file as linear RGB; 8-bit files are decoded from sRGB. */
 LK_API enum lk_status lk_image_read(struct lk_image **out, const char *path);
+
+/**
+ * Makes an image of one's own pixels.
+ *
+ * @param pixels  [width * height * 3] linear RGB, rows from the top; copied.
+ * @retval LK_USAGE, LK_NO_MEMORY
+ */
+LK_API enum lk_status lk_image_create(struct lk_image **out, const float *pixels, uint32_t width,
+                                      uint32_t height);
 
 LK_API void lk_image_free(struct lk_image *image);
 

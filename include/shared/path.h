@@ -76,8 +76,9 @@ struct counters {
     uint trace_head;       // next ray of the persistent trace kernel
     uint direct_head;      // next hit of the persistent direct kernel
     uint directional_head; // next hit of the persistent directional kernel
-    uint shadow_rays;      // shadow rays traced
-    uint pad0, pad1, pad2;
+    uint shadow_rays;      // shadow rays traced towards lights drawn
+    uint directional_rays; // shadow rays traced towards directional lights and the environment
+    uint pad0, pad1;
 };
 SHARED_SIZE(counters, 32);
 

@@ -6,16 +6,16 @@ struct command_row {
     enum command command;
     const char *name;
     const char *operands; // of the usage line
-    unsigned operand_count;
+    unsigned operands_least, operands_most;
     enum status (*run)(const struct options *options);
 };
 
 static const struct command_row commands[] = {
-    {COMMAND_RENDER, "render", "SCENE -o FILE [OPTION...]", 1, command_render},
-    {COMMAND_COMPARE, "compare", "IMAGE REFERENCE [OPTION...]", 2, command_compare},
-    {COMMAND_INFO, "info", "SCENE [OPTION...]", 1, command_info},
-    {COMMAND_DEVICES, "devices", "[OPTION...]", 0, command_devices},
-    {COMMAND_BENCH, "bench", "lights|trace SCENE [OPTION...]", 2, command_bench},
+    {COMMAND_RENDER, "render", "SCENE -o FILE [OPTION...]", 1, 1, command_render},
+    {COMMAND_COMPARE, "compare", "IMAGE REFERENCE [OPTION...]", 2, 2, command_compare},
+    {COMMAND_INFO, "info", "SCENE [OPTION...]", 1, 1, command_info},
+    {COMMAND_DEVICES, "devices", "[OPTION...]", 0, 0, command_devices},
+    {COMMAND_BENCH, "bench", "[EXPERIMENT [SCENE...]] [OPTION...]", 0, OPERANDS_MAX, command_bench},
 };
 
 #define COMMAND_COUNT (sizeof(commands) / sizeof(commands[0]))
@@ -46,9 +46,14 @@ const char *command_operands(enum command command)
     return row_of(command)->operands;
 }
 
-unsigned command_operand_count(enum command command)
+unsigned command_operands_least(enum command command)
 {
-    return row_of(command)->operand_count;
+    return row_of(command)->operands_least;
+}
+
+unsigned command_operands_most(enum command command)
+{
+    return row_of(command)->operands_most;
 }
 
 enum status command_run(enum command command, const struct options *options)

@@ -22,7 +22,7 @@ enum status command_info(const struct options *options);
 /** Prints the OpenCL devices. */
 enum status command_devices(const struct options *options);
 
-/** Measures. The first operand says what: "lights", "trace". */
+/** Measures. The first operand says what, and is "report" if there is none. */
 enum status command_bench(const struct options *options);
 
 /** Finds a command by its name; 0 if there is none. */
@@ -34,8 +34,11 @@ const char *command_name(enum command command);
 /** What follows the name in a usage line. */
 const char *command_operands(enum command command);
 
-/** Files that must be given. */
-unsigned command_operand_count(enum command command);
+/** Operands that must be given. */
+unsigned command_operands_least(enum command command);
+
+/** Operands that may be given, at most OPERANDS_MAX. */
+unsigned command_operands_most(enum command command);
 
 /** Runs a command. */
 enum status command_run(enum command command, const struct options *options);

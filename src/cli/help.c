@@ -114,12 +114,20 @@ void help_print_command(FILE *file, enum command command)
     case COMMAND_BENCH:
         fprintf(
             file,
-            "\nlights: renders the scene with every light sampler for the same --time and prints\n"
-            "the variance of each against the reference, times uniform's.\n\n"
-            "trace: traces camera rays, four bounces and shadow rays by every layout of the BVH\n"
-            "and every kernel that the device has, taking turns, and prints the median of --runs\n"
-            "runs, least and most, in million rays a second. All triangles are solid. A sample of\n"
-            "the hits is checked against all triangles in double precision.\n");
+            "\nreport (the default): section 4 of the thesis, on the scenes named or on those of\n"
+            "scripts/make_scenes: memory, rays a second, kernels, convergence, pictures, with\n"
+            "the thesis's numbers beside. Writes bench.json, CSV files, report.md and images;\n"
+            "scripts/plot draws the plots. --time is that of one curve, --reference a folder\n"
+            "that holds the references of an earlier run.\n\n"
+            "lights SCENE: renders the scene with every light sampler for the same --time and\n"
+            "prints the variance of each against the reference, times uniform's.\n\n"
+            "trace SCENE: traces camera rays, four bounces and shadow rays by every layout of the\n"
+            "BVH and every kernel that the device has, taking turns, and prints the median of\n"
+            "--runs runs, least and most, in million rays a second. All triangles are solid. A\n"
+            "sample of the hits is checked against all triangles in double precision.\n\n"
+            "memory [SCENE...]: bytes on the device and rays a second against the size of the\n"
+            "ray queue.\n\n"
+            "scale: a cave of 10,000 to 10,000,000 triangles, and with 1 to 1,000,000 lights.\n");
         break;
     case COMMAND_ALL:
         break;
@@ -137,16 +145,16 @@ void help_print_command(FILE *file, enum command command)
 void help_print(FILE *file)
 {
     fprintf(file, "lightkiln %s: glTF in, light out, on any OpenCL device\n\n", lk_version());
-    fprintf(file,
-            "  lightkiln render SCENE -o FILE        renders a scene into an image\n"
-            "  lightkiln info SCENE                  tells what is in it and what it takes\n"
-            "  lightkiln compare IMAGE REFERENCE     tells how far two images are apart\n"
-            "  lightkiln devices                     lists the OpenCL devices\n"
-            "  lightkiln bench lights SCENE          measures the light samplers at equal time\n"
-            "  lightkiln bench trace SCENE           measures rays a second\n"
-            "  lightkiln COMMAND --help              tells more\n\n"
-            "Exit codes: 0 done, 1 failed, 2 usage, 3 bad or unsupported input, 4 no usable\n"
-            "device, 5 out of memory, 6 cannot write, 130 interrupted (with what was finished\n"
-            "written). Results go to stdout, all else to stderr.\n\n");
+    fprintf(
+        file,
+        "  lightkiln render SCENE -o FILE        renders a scene into an image\n"
+        "  lightkiln info SCENE                  tells what is in it and what it takes\n"
+        "  lightkiln compare IMAGE REFERENCE     tells how far two images are apart\n"
+        "  lightkiln devices                     lists the OpenCL devices\n"
+        "  lightkiln bench [EXPERIMENT]          measures; the thesis's experiments by default\n"
+        "  lightkiln COMMAND --help              tells more\n\n"
+        "Exit codes: 0 done, 1 failed, 2 usage, 3 bad or unsupported input, 4 no usable\n"
+        "device, 5 out of memory, 6 cannot write, 130 interrupted (with what was finished\n"
+        "written). Results go to stdout, all else to stderr.\n\n");
     help_print_command(file, COMMAND_RENDER);
 }

@@ -78,10 +78,12 @@ const struct option option_table[] = {
     {"memory-limit", 0, BOTH, "MB", "most memory to take on the device", "all it has", MEGABYTES(settings.memory_limit)},
     {"no-cache", 0, BOTH, NULL, "build the kernels from source", NULL, FLAG(settings.no_cache)},
 
-    HEADING(BENCH, "Reference (lights) and runs (trace)"),
-    {"reference", 0, BENCH, "FILE", "image of the same scene, camera, size and depth", "rendered", TEXT(reference)},
-    {"reference-time", 0, BENCH, "S", "seconds to render it, without --reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
-    {"runs", 0, BENCH, "N", "measured runs of each class of rays", NULL, UINT(runs, 1, 1000)},
+    HEADING(BENCH, "Experiments"),
+    {"quick", 0, BENCH, NULL, "all of it small: minutes on two cores", NULL, FLAG(quick)},
+    {"out", 0, BENCH, "FOLDER", "where report, memory and scale write", NULL, TEXT(out)},
+    {"reference", 0, BENCH, "PATH", "lights: image of this scene; report: folder", "rendered", TEXT(reference)},
+    {"reference-time", 0, BENCH, "S", "seconds to render a reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
+    {"runs", 0, BENCH, "N", "trace: measured runs of each class of rays", NULL, UINT(runs, 1, 1000)},
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},
@@ -105,7 +107,7 @@ _Static_assert(sizeof(enum lk_trace) == sizeof(int), "choices are stored as int"
 
 void options_init(struct options *options)
 {
-    *options = (struct options){.log_level = LK_LOG_WARNING, .runs = 7};
+    *options = (struct options){.log_level = LK_LOG_WARNING, .runs = 7, .out = "build/bench"};
     lk_settings_init(&options->settings);
 }
 
@@ -359,7 +361,7 @@ enum status options_parse(struct options *options, enum command command, char *c
             const enum status status = parse_option(options, &given, command, args, count, &i);
             if (status != STATUS_OK)
                 return status;
-        } else if (operand_count < command_operand_count(command)) {
+        } else if (operand_count < command_operands_most(command)) {
             options->operands[operand_count++] = argument;
         } else {
             return status_fail(STATUS_USAGE, "%s is one file too many; usage: lightkiln %s %s",
@@ -369,7 +371,7 @@ enum status options_parse(struct options *options, enum command command, char *c
 
     if (options->help || options->version)
         return STATUS_OK;
-    if (operand_count < command_operand_count(command))
+    if (operand_count < command_operands_least(command))
         return status_fail(STATUS_USAGE, "a file is missing; usage: lightkiln %s %s",
                            command_name(command), command_operands(command));
 

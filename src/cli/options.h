@@ -25,18 +25,19 @@ enum command {
     COMMAND_ALL = 31
 };
 
-#define OPERANDS_MAX 2
+#define OPERANDS_MAX 9
 
 /** Everything that a command line can say. Strings are borrowed from it. */
 struct options {
-    const char *operands[OPERANDS_MAX]; // scene; image and reference; experiment and scene
+    const char *operands[OPERANDS_MAX]; // scene; image and reference; experiment and scenes; NULL
     struct lk_settings settings;
     struct lk_display display;
     const char *output, *stats, *diff, *reference; // files; NULL: none
+    const char *out;                               // folder of what bench writes
     double reference_time_s;
     uint32_t runs; // measured runs of each kind
     enum lk_log_level log_level;
-    bool json, quiet, strict, help, version;
+    bool quick, json, quiet, strict, help, version;
 };
 
 enum option_type {

@@ -28,11 +28,16 @@ static void print_profile(const struct lk_render_info *info)
     for (uint32_t i = 0; i < info->kernel_count; i++)
         total_s += info->kernels[i].time_s;
 
-    printf("%-20s %10s %12s %8s\n", "kernel", "calls", "time, s", "share");
+    printf("%-20s %10s %12s %8s %12s\n", "kernel", "calls", "time, s", "share", "achieved");
     for (uint32_t i = 0; i < info->kernel_count; i++) {
         const struct lk_kernel_time *kernel = &info->kernels[i];
-        printf("%-20s %10llu %12.4f %6.1f %%\n", kernel->name, (unsigned long long)kernel->calls,
+        printf("%-20s %10llu %12.4f %6.1f %%", kernel->name, (unsigned long long)kernel->calls,
                kernel->time_s, total_s > 0.0 ? 100.0 * kernel->time_s / total_s : 0.0);
+        if (kernel->rays > 0 && kernel->time_s > 0.0)
+            printf(" %12.2f Mrays/s", (double)kernel->rays / kernel->time_s * 1e-6);
+        if (kernel->bytes > 0 && kernel->time_s > 0.0)
+            printf(" %12.2f GB/s", (double)kernel->bytes / kernel->time_s * 1e-9);
+        printf("\n");
     }
     printf("%-20s %10s %12.4f %6.1f %%\n", "all kernels", "", total_s, 100.0);
 }

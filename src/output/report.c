@@ -138,6 +138,10 @@ static void write_kernels(struct json *json, const struct lk_render_info *info)
         json_uint(json, "calls", kernel->calls);
         json_double(json, "time_s", kernel->time_s);
         json_double(json, "share", total_s > 0.0 ? kernel->time_s / total_s : 0.0);
+        if (kernel->rays > 0)
+            json_double(json, "rays_per_s", (double)kernel->rays / kernel->time_s);
+        if (kernel->bytes > 0)
+            json_double(json, "bytes_per_s", (double)kernel->bytes / kernel->time_s);
         json_object_end(json);
     }
     json_array_end(json);
@@ -151,6 +155,7 @@ static void write_rays(struct json *json, const struct lk_render_info *info)
     json_uint(json, "camera", info->rays_camera);
     json_uint(json, "indirect", info->rays_indirect);
     json_uint(json, "shadow", info->rays_shadow);
+    json_uint(json, "directional", info->rays_directional);
     json_uint(json, "total", total);
     json_object_end(json);
     json_uint(json, "paths", info->paths);

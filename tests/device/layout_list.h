@@ -78,7 +78,7 @@
     S(counters)                                                                                    \
     M(counters, active) M(counters, trace_head) M(counters, direct_head)                           \
     M(counters, directional_head) M(counters, shadow_rays)                                         \
-    M(counters, pad0) M(counters, pad1) M(counters, pad2)                                          \
+    M(counters, directional_rays) M(counters, pad0) M(counters, pad1)                                          \
     S(ray)                                                                                         \
     M(ray, org_tmin) M(ray, dir_tmax)                                                              \
     S(hit)                                                                                         \

@@ -80,6 +80,8 @@ static void report_has_every_promised_name(void **state)
                                         "camera",
                                         "indirect",
                                         "shadow",
+                                        "directional",
+                                        "bytes_per_s",
                                         "paths",
                                         "spp",
                                         "rays_per_s",
@@ -105,6 +107,9 @@ static void report_has_every_promised_name(void **state)
     struct lk_render_info info = make_info();
     info.kernel_count = 1;
     strcpy(info.kernels[0].name, "trace");
+    info.kernels[0].rays = 1;
+    info.kernels[0].bytes = 1;
+    info.kernels[0].time_s = 1.0;
 
     struct json json = {0};
     assert_int_equal(report_write(&json, &info, "1", 0.0), STATUS_OK);

@@ -1,0 +1,209 @@
+// Laws of what bench tells: tables, the thesis's numbers, curves, conclusions, the cave.
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/bench_cave.h"
+#include "cli/bench_results.h"
+
+// ---- Tables
+
+static const struct bench_column columns[] = {
+    {"name", "what it is called", NULL},
+    {"value", "what it is", "%.1f"},
+};
+
+static struct bench_table two_rows(void)
+{
+    struct bench_table table = {
+        .key = "things", .title = "Things", .columns = columns, .column_count = 2};
+    bench_text(&table, "first");
+    bench_number(&table, 1.25);
+    bench_text(&table, "second");
+    bench_number(&table, NAN);
+    return table;
+}
+
+static void table_tells_every_cell_in_every_form(void **state)
+{
+    (void)state;
+    struct bench_table table = two_rows();
+    struct json json = {.compact = true};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    assert_non_null(file);
+    bench_table_markdown(file, &table);
+    bench_table_print(file, &table);
+    assert_int_equal(fclose(file), 0);
+    assert_non_null(strstr(text, "| what it is called | what it is |"));
+    assert_non_null(strstr(text, "| first | 1.2 |"));
+    assert_non_null(strstr(text, "| second | - |"));
+    assert_non_null(strstr(text, "second      -"));
+
+    json_object(&json, NULL);
+    bench_table_json(&json, &table);
+    json_object_end(&json);
+    assert_int_equal(json_finish(&json), STATUS_OK);
+    assert_string_equal(json.text, "{\"things\":[{\"name\":\"first\",\"value\":1.25},"
+                                   "{\"name\":\"second\",\"value\":null}]}");
+    json_free(&json);
+    bench_table_free(&table);
+    free(text);
+}
+
+// ---- The thesis
+
+static void thesis_shares_add_up(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"cornell", "cathedral", "atrium", "deck"};
+    for (int i = 0; i < 4; i++) {
+        const struct thesis_scene *scene = thesis_find(names[i]);
+        assert_non_null(scene);
+        for (int k = 0; k < 4; k++) {
+            const double sum = scene->traversal[k >> 1][k & 1] + scene->lighting[k >> 1][k & 1] +
+                               scene->others[k >> 1][k & 1];
+            if (sum > 0.0) // Sponza's are not told
+                assert_true(fabs(sum - 100.0) < 0.15);
+        }
+    }
+    assert_null(thesis_find("teapot"));
+}
+
+// ---- Curves
+
+// variance = 1 / time at 1, 2, 4 .. s, and twice as many rays as microseconds.
+static struct bench_curve falling(double times)
+{
+    struct bench_curve curve = {0};
+    for (int i = 0; i < 6; i++)
+        curve.points[curve.count++] = (struct bench_point){
+            .time_s = exp2(i), .rays = 2e6 * exp2(i), .spp = exp2(i), .variance = times / exp2(i)};
+    return curve;
+}
+
+static void curve_is_read_between_its_points(void **state)
+{
+    (void)state;
+    const struct bench_curve curve = falling(1.0);
+    assert_true(fabs(bench_curve_reach(&curve, 1.0 / 5.5, false) - 5.5) < 1e-9);
+    assert_true(fabs(bench_curve_reach(&curve, 1.0 / 16.0, true) - 32e6) < 1e-3);
+    assert_true(bench_curve_reach(&curve, 2.0, false) == 1.0);
+    assert_true(isinf(bench_curve_reach(&curve, 1e-3, false)));
+}
+
+// ---- Conclusions
+
+// Measurements on two scenes: as the thesis has them, or all the other way round.
+static void make_results(struct bench_results *out, bool as_thesis)
+{
+    *out = (struct bench_results){.scene_count = 2};
+    for (unsigned i = 0; i < 2; i++) {
+        struct bench_scene *scene = &out->scenes[i];
+        scene->thesis = thesis_find("cornell");
+        scene->queue = 1000;
+        scene->used.rays = as_thesis ? 50000000 : 500000000;
+        scene->small_queue = scene->queue;
+        for (int s = 0; s < 2; s++) {
+            struct lk_scene_info *info = &scene->info[s];
+            info->triangles = 1000u << i;
+            info->lights.drawn = 1;
+            scene->used.geometry = as_thesis ? 100 * info->triangles : 100;
+            scene->used.bvh = as_thesis ? 10 * info->triangles : 1000;
+            info->memory.rays = (as_thesis ? 1000 : 1000 + i) * (as_thesis && s ? 4 : 1);
+        }
+        for (int k = 0; k < 8; k++) {
+            struct bench_speed *speed = &scene->speed[k >> 2][k >> 1 & 1][k & 1];
+            const double more = 1.0 + (k >> 2) + (k & 1) + 2.0 * !(k >> 1 & 1);
+            speed->rays_per_s = as_thesis ? more : 1.0 / more;
+            speed->traversal = 0.5;
+            speed->lighting = as_thesis ? 0.4 - 0.1 * (k >> 1 & 1) : 0.8 + 0.1 * (k >> 1 & 1);
+            if (k & 1)
+                speed->lighting *= as_thesis ? 2.0 : 8.0;
+        }
+        scene->used.materials = as_thesis ? 0 : 1000000000;
+        scene->small_rays_per_s = (as_thesis ? 1.0 : 0.5) * scene->speed[1][1][0].rays_per_s;
+        scene->view_count = 1;
+        scene->views[0] = (struct bench_view){
+            .title = "view",
+            .has_curves = true,
+            .thesis_faster = 1,
+            .thesis_better = -1,
+            .curves = {falling(as_thesis ? 2.0 : 1.0), falling(as_thesis ? 1.0 : 2.0)}};
+        for (unsigned p = 0; p < 6; p++) // rays: four times as many for four shadow rays, or one
+            scene->views[0].curves[1].points[p].rays *= as_thesis ? 4.0 : 0.125;
+    }
+}
+
+static void conclusions_follow_the_measurements(void **state)
+{
+    (void)state;
+    struct bench_results *results = calloc(1, sizeof(*results));
+    assert_non_null(results);
+    for (int as_thesis = 0; as_thesis < 2; as_thesis++) {
+        struct bench_table table;
+        make_results(results, as_thesis);
+        bench_conclusions(&table, results);
+        assert_int_equal(table.cell_count % table.column_count, 0);
+        unsigned told = 0;
+        for (size_t i = 0; i < table.cell_count; i += table.column_count) {
+            const char *holds = table.cells[i + 1].text;
+            if (strcmp(holds, "not measured") == 0)
+                continue; // Sponza's
+            told++;
+            if (strcmp(holds, as_thesis ? "holds" : "does not hold") != 0)
+                fail_msg("%s: %s, %s", table.cells[i].text, holds, table.cells[i + 2].text);
+        }
+        assert_true(told >= 14);
+        bench_table_free(&table);
+    }
+    free(results);
+}
+
+// ---- The cave
+
+static void cave_has_the_triangles_and_lights_asked_for(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[][2] = {{100, 1}, {10000, 64}, {20000, 1000}};
+    char folder[] = "/tmp/lightkiln_bench_XXXXXX";
+    char path[128];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/cave.glb", folder);
+    for (int i = 0; i < 3; i++) {
+        struct lk_scene *scene = NULL;
+        struct lk_scene_info info;
+        struct lk_settings settings;
+        lk_settings_init(&settings);
+        assert_int_equal(bench_cave_write(path, sizes[i][0], sizes[i][1]), STATUS_OK);
+        assert_int_equal(lk_scene_load(&scene, path), LK_OK);
+        assert_int_equal(lk_scene_info(&info, scene, &settings), LK_OK);
+        const double walls = (double)info.triangles - sizes[i][1];
+        assert_true(fabs(walls - sizes[i][0]) < 0.1 * sizes[i][0]);
+        assert_int_equal(info.lights.drawn, sizes[i][1]);
+        lk_scene_free(scene);
+    }
+    unlink(path);
+    rmdir(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(table_tells_every_cell_in_every_form),
+        cmocka_unit_test(thesis_shares_add_up),
+        cmocka_unit_test(curve_is_read_between_its_points),
+        cmocka_unit_test(conclusions_follow_the_measurements),
+        cmocka_unit_test(cave_has_the_triangles_and_lights_asked_for),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
