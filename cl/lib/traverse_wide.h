@@ -85,8 +85,9 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
     for (uint i = first; i < end; i++) {
         __global const float4 *rows = scene->woop + (size_t)i * WIDE_BLOCK_ROWS;
 
-        // Where the ray meets the four planes. All rows are read, whether the first ones decide or
-        // not: three misses of the cache at once cost less than one after the other.
+        // Where the ray meets the four planes. For the nearest hit, all rows are read, whether the
+        // first ones decide or not: three misses of the cache at once cost less than one after the
+        // other. Most tests for any hit end here.
         const float4 org_w =
             MULADD(rows[0], (float4)org.x,
                    MULADD(rows[1], (float4)org.y, MULADD(rows[2], (float4)org.z, rows[3])));
@@ -94,6 +95,8 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
             MULADD(rows[0], (float4)dir.x, MULADD(rows[1], (float4)dir.y, rows[2] * dir.z));
         const float4 t = -org_w / dir_w;
         const int4 near = (t > tmin) & (t < hit->t);
+        if (any_hit && wide_bits(near) == 0)
+            continue;
 
         // And whether that is within the triangles.
         const float4 x = MULADD(t, (float4)dir.x, (float4)org.x);
