@@ -6,7 +6,8 @@
 //
 // Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
 // NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials whether they let a ray by,
-// LAYERS also those that are thin and smooth; ANY_HIT: some hit instead of the nearest.
+// LAYERS also those that are thin and smooth; ANY_HIT: whether there is
+// a hit, of any triangle: hits[slot].triangle is 0 or HIT_NONE.
 
 #include "lib/queue.h"
 #include "lib/traverse.h"
@@ -52,8 +53,11 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
             paths[slot].throughput_pdf.xyz *= passage.share;
         }
 #else
-        hits[slot] =
+        struct hit hit =
             traverse(nodes, &scene, org_tmin.xyz, dir_tmax.xyz, org_tmin.w, dir_tmax.w, TRACE_ANY);
+        if (TRACE_ANY) // which one was not asked, and is a read less
+            hit.triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
+        hits[slot] = hit;
 #endif
     }
 }

@@ -85,8 +85,9 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
     for (uint i = first; i < end; i++) {
         __global const float4 *rows = scene->woop + (size_t)i * WIDE_BLOCK_ROWS;
 
-        // Where the ray meets the four planes. All rows are read, whether the first ones decide or
-        // not: three misses of the cache at once cost less than one after the other.
+        // Where the ray meets the four planes. For the nearest hit, all rows are read, whether the
+        // first ones decide or not: three misses of the cache at once cost less than one after the
+        // other. Most tests for any hit end here.
         const float4 org_w =
             MULADD(rows[0], (float4)org.x,
                    MULADD(rows[1], (float4)org.y, MULADD(rows[2], (float4)org.z, rows[3])));
@@ -94,6 +95,8 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
             MULADD(rows[0], (float4)dir.x, MULADD(rows[1], (float4)dir.y, rows[2] * dir.z));
         const float4 t = -org_w / dir_w;
         const int4 near = (t > tmin) & (t < hit->t);
+        if (any_hit && wide_bits(near) == 0)
+            continue;
 
         // And whether that is within the triangles.
         const float4 x = MULADD(t, (float4)dir.x, (float4)org.x);
@@ -141,6 +144,12 @@ static inline struct hit wide_name(struct hit hit, const struct traced *scene)
     return hit;
 }
 
+// A child that is kept for later.
+struct wide_entry {
+    int word;
+    float enter; // where the ray enters it; not set if any hit is looked for
+};
+
 // Finds what the ray hits between tmin and tmax (lib/traverse.h).
 static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
                                           const float3 org, const float3 dir, const float tmin,
@@ -153,38 +162,48 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
     hit.v = 0.0f;
     hit.triangle = HIT_NONE;
 
-    int words[WIDE_STACK_SIZE];    // child words yet to visit, nearer ones on top of their siblings
-    float enters[WIDE_STACK_SIZE]; // where the ray enters them
-    uint top = 0;                  // their number
-    int node = 0;                  // current child word
+    struct wide_entry stack[WIDE_STACK_SIZE]; // children yet to visit, nearer ones on top of their
+                                              // siblings
+    uint top = 0;                             // their number
+    int node = 0;                             // current child word
 
     const float3 inverse = traverse_inverse(dir);
     const float3 shift = -org * inverse;
     const uint near_x = inverse.x < 0.0f ? 1 : 0; // rows that the ray meets first
     const uint near_y = inverse.y < 0.0f ? 3 : 2;
     const uint near_z = inverse.z < 0.0f ? 5 : 4;
+    const float8 inverse_x = (float8)inverse.x;
+    const float8 inverse_y = (float8)inverse.y;
+    const float8 inverse_z = (float8)inverse.z;
+    const float8 shift_x = (float8)shift.x;
+    const float8 shift_y = (float8)shift.y;
+    const float8 shift_z = (float8)shift.z;
+    BVH_NODES nodes_x = nodes + near_x; // first row, in root, of those met first, and last
+    BVH_NODES nodes_y = nodes + near_y;
+    BVH_NODES nodes_z = nodes + near_z;
+    BVH_NODES far_x = nodes + (near_x ^ 1);
+    BVH_NODES far_y = nodes + (near_y ^ 1);
+    BVH_NODES far_z = nodes + (near_z ^ 1);
 
     for (;;) {
         // Go down until there is a leaf.
         while (node >= 0) {
-            __global const float8 *rows = nodes + (size_t)node * WIDE_ROWS;
-            const float8 enter =
-                max8(max8(MULADD(rows[near_x], (float8)inverse.x, (float8)shift.x),
-                          MULADD(rows[near_y], (float8)inverse.y, (float8)shift.y)),
-                     max8(MULADD(rows[near_z], (float8)inverse.z, (float8)shift.z), (float8)tmin));
-            const float8 leave = min8(
-                min8(MULADD(rows[near_x ^ 1], (float8)inverse.x, (float8)shift.x),
-                     MULADD(rows[near_y ^ 1], (float8)inverse.y, (float8)shift.y)),
-                min8(MULADD(rows[near_z ^ 1], (float8)inverse.z, (float8)shift.z), (float8)hit.t));
+            const size_t row = (size_t)node * WIDE_ROWS;
+            const float8 enter = max8(max8(MULADD(nodes_x[row], inverse_x, shift_x),
+                                           MULADD(nodes_y[row], inverse_y, shift_y)),
+                                      max8(MULADD(nodes_z[row], inverse_z, shift_z), (float8)tmin));
+            const float8 leave = min8(min8(MULADD(far_x[row], inverse_x, shift_x),
+                                           MULADD(far_y[row], inverse_y, shift_y)),
+                                      min8(MULADD(far_z[row], inverse_z, shift_z), (float8)hit.t));
             uint bits = wide_compare(enter, leave);
-            __global const int *children = (__global const int *)(rows + 6);
             if (bits == 0)
                 goto next;
+            __global const int *children = (__global const int *)(nodes + row + 6);
 
             // For any hit, take the first, and keep the others in order.
             if (any_hit) {
                 for (; (bits & (bits - 1)) != 0; bits ^= 1u << wide_highest(bits))
-                    words[top++] = children[wide_highest(bits)];
+                    stack[top++].word = children[wide_highest(bits)];
                 node = children[wide_lowest(bits)];
                 continue;
             }
@@ -203,23 +222,19 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             do {
                 child = wide_lowest(bits);
                 bits &= bits - 1;
-                int word = children[child];
-                float later = starts[child];
-                if (later < start) {
-                    const int other = node;
-                    const float other_start = start;
-                    node = word;
-                    start = later;
-                    word = other;
-                    later = other_start;
+                struct wide_entry entry;
+                entry.word = children[child];
+                entry.enter = starts[child];
+                if (entry.enter < start) {
+                    const struct wide_entry other = {node, start};
+                    node = entry.word;
+                    start = entry.enter;
+                    entry = other;
                 }
                 uint place = top++;
-                for (; place > base && enters[place - 1] < later; place--) {
-                    enters[place] = enters[place - 1];
-                    words[place] = words[place - 1];
-                }
-                enters[place] = later;
-                words[place] = word;
+                for (; place > base && stack[place - 1].enter < entry.enter; place--)
+                    stack[place] = stack[place - 1];
+                stack[place] = entry;
             } while (bits != 0);
         }
 
@@ -231,8 +246,8 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             if (top == 0)
                 return wide_name(hit, scene);
             top--;
-        } while (!any_hit && enters[top] >= hit.t);
-        node = words[top];
+        } while (!any_hit && stack[top].enter >= hit.t);
+        node = stack[top].word;
     }
 }
 

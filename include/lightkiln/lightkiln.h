@@ -445,7 +445,8 @@ LK_API enum lk_status lk_tracer_set_rays(struct lk_tracer *tracer, const struct 
  * Traces the rays and waits.
  *
  * @param[out] seconds  One launch took, on average. NULL: not asked for.
- * @param any_hit       Look for some hit instead of the nearest.
+ * @param any_hit       Ask only whether there is a hit: of lk_hit, only triangle has a meaning, and
+ * is 0 or LK_HIT_NONE.
  * @param launches      Times to do it, back to back, 1 .. LK_LAUNCHES_MAX.
  */
 LK_API enum lk_status lk_tracer_run(struct lk_tracer *tracer, double *seconds, bool any_hit,

@@ -89,11 +89,12 @@ uint32_t oracle_count_wrong(const struct oracle *oracle, const struct ray_set *s
         const struct lk_hit *hit = &hits[(size_t)i * oracle->step];
         if (hit->triangle == LK_HIT_NONE) {
             wrong += isfinite(oracle->most[i]);
-            continue;
+        } else if (set->any_hit) {
+            wrong += !isfinite(oracle->least[i]);
+        } else {
+            const double slack = tolerance(ray, hit->t);
+            wrong += hit->t < oracle->least[i] - slack || hit->t > oracle->most[i] + slack;
         }
-        const double slack = tolerance(ray, hit->t);
-        wrong += hit->t < oracle->least[i] - slack ||
-                 (!set->any_hit && hit->t > oracle->most[i] + slack);
     }
     return wrong;
 }
