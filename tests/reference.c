@@ -215,10 +215,11 @@ void image_agrees_with_its_reference(void **state)
 }
 
 // The variance against the reference (thesis section 4.2.2) less the reference's own.
-static double find_variance(struct subject *s, uint32_t spp)
+static double find_variance(struct subject *s, enum lk_sampler sampler, uint32_t spp)
 {
     struct lk_settings settings = subject_settings(s, spp);
     struct lk_comparison comparison;
+    settings.sampler = sampler;
     settings.seed = 1000 + spp; // independent renders
     struct lk_image *image = render(s->scene, &settings);
     assert_int_equal(lk_compare(&comparison, NULL, image, s->image), LK_OK);
@@ -230,16 +231,19 @@ void variance_falls_as_one_over_samples(void **state)
 {
     struct subject s;
     open_subject(&s, *state);
-    const double v16 = find_variance(&s, 16);
-    const double v64 = find_variance(&s, 64);
-    const double v256 = find_variance(&s, 256);
+    const double v16 = find_variance(&s, LK_SAMPLER_RANDOM, 16);
+    const double v64 = find_variance(&s, LK_SAMPLER_RANDOM, 64);
+    const double v256 = find_variance(&s, LK_SAMPLER_RANDOM, 256);
+    const double spread64 = find_variance(&s, LK_SAMPLER_SOBOL, 64);
     const double slope = log(v256 / v16) / log(16.0);
-    print_message("note: variance with 16, 64, 256 spp: %.3g, %.3g, %.3g, slope %.3f\n", v16, v64,
-                  v256, slope);
+    print_message("note: variance with 16, 64, 256 spp: %.3g, %.3g, %.3g, slope %.3f; with 64 "
+                  "spread ones %.3g\n",
+                  v16, v64, v256, slope, spread64);
 
     // 65,536 pixels give each variance to 1 %, and so the slope over a factor of 16 to 0.005 and
     // over one of 4 to 0.01; four times that is allowed.
     assert_true(fabs(slope + 1.0) < 0.02);
     assert_true(fabs(log(v64 / v16) / log(4.0) + 1.0) < 0.04);
+    assert_true(spread64 < 0.5 * v64);
     close_subject(&s);
 }
