@@ -6,6 +6,7 @@
 #ifndef TESTS_DEVICE_STAGE_SUPPORT_H
 #define TESTS_DEVICE_STAGE_SUPPORT_H
 
+#include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -22,7 +23,7 @@ static inline struct wavefront make_wavefront(struct gpu *gpu, uint32_t capacity
     const struct camera camera = {.width = 1, .height = 1};
     const uint4 points[8] = {{0}};
     struct wavefront wavefront;
-    assert_true(wavefront_points_size(&settings) <= sizeof(points));
+    assert(wavefront_points_size(&settings) <= sizeof(points));
     assert_ok(wavefront_create(&wavefront, gpu, capacity, &settings, &camera, points, true));
     return wavefront;
 }
