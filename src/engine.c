@@ -256,15 +256,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
 {
     const struct lk_settings *settings = &info->settings;
     const struct upload_source source = prepared_source(scene);
-    struct program_options options = {
-        .persistent = settings->trace == LK_TRACE_PERSISTENT,
-        .bvh_wide = settings->bvh == LK_BVH_WIDE,
-        .nodes_image = settings->nodes == LK_NODES_TEXTURE,
-        .textures_bound = settings->textures == LK_TEXTURES_BOUND,
-        .light_sampler = (int)settings->light_sampler,
-        .brdf_phong = settings->brdf == LK_BRDF_PHONG,
-        .no_cache = settings->no_cache,
-    };
+    struct program_options options = settings_program_options(settings);
     double start = clock_seconds();
     enum status status =
         upload(&r->scene, &r->gpu, &source, options.nodes_image, options.textures_bound);
@@ -365,7 +357,9 @@ static enum status begin(struct renderer *r, struct lk_render_info *info, struct
         return status;
     engine_describe_device(&info->device, &r->gpu.info);
     settings_choose_variants(settings, &r->gpu.info);
-    status = prepare_scene(scene, settings);
+    status = settings_check_device(settings, &r->gpu);
+    if (status == STATUS_OK)
+        status = prepare_scene(scene, settings);
     if (status == STATUS_OK)
         status = camera_build(&r->camera, &scene->scene, &scene->prepared.geometry,
                               settings->camera, settings->width, settings->height);

@@ -81,3 +81,36 @@ void settings_choose_variants(struct lk_settings *settings, const struct gpu_inf
     if (settings->memory_limit == 0)
         settings->memory_limit = (uint64_t)((double)info->global_memory * MEMORY_SHARE);
 }
+
+static bool has_votes(const struct lk_settings *settings)
+{
+    return settings->trace == LK_TRACE_POSTPONING || settings->trace == LK_TRACE_WARPS;
+}
+
+enum status settings_check_device(const struct lk_settings *settings, const struct gpu *gpu)
+{
+    if (!has_votes(settings))
+        return STATUS_OK;
+    if (settings->bvh == LK_BVH_WIDE)
+        return status_fail(STATUS_UNSUPPORTED, "--trace postponing and warps go with --bvh binary");
+    if (!program_takes_votes(gpu))
+        return status_fail(STATUS_UNSUPPORTED,
+                           "device \"%s\" has no warps that vote; use --trace simple or persistent",
+                           gpu->info.name);
+    return STATUS_OK;
+}
+
+struct program_options settings_program_options(const struct lk_settings *settings)
+{
+    const struct program_options options = {
+        .persistent = settings->trace == LK_TRACE_PERSISTENT || settings->trace == LK_TRACE_WARPS,
+        .warp_votes = has_votes(settings),
+        .bvh_wide = settings->bvh == LK_BVH_WIDE,
+        .nodes_image = settings->nodes == LK_NODES_TEXTURE,
+        .textures_bound = settings->textures == LK_TEXTURES_BOUND,
+        .light_sampler = (int)settings->light_sampler,
+        .brdf_phong = settings->brdf == LK_BRDF_PHONG,
+        .no_cache = settings->no_cache,
+    };
+    return options;
+}

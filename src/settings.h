@@ -8,6 +8,7 @@
 
 #include "core/status.h"
 #include "device/gpu.h"
+#include "device/program.h"
 #include "lightkiln/lightkiln.h"
 
 /** STATUS_USAGE, naming the first setting that is out of range or does not go with another. */
@@ -22,5 +23,15 @@ void settings_choose_sampler(struct lk_settings *settings);
 
 /** Decides on the rest of what is left open, by the device. */
 void settings_choose_variants(struct lk_settings *settings, const struct gpu_info *info);
+
+/**
+ * Whether a device can do what was chosen.
+ *
+ * @retval STATUS_UNSUPPORTED  It has no warps that vote.
+ */
+enum status settings_check_device(const struct lk_settings *settings, const struct gpu *gpu);
+
+/** The variant of the kernels that settings without any "auto" ask for, as far as they say. */
+struct program_options settings_program_options(const struct lk_settings *settings);
 
 #endif

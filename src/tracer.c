@@ -27,6 +27,7 @@ struct lk_tracer {
     struct trace nearest, any;
     struct camera camera;
     struct lk_tracer_info info;
+    bool persistent;
     uint32_t ray_count; // rays set
 };
 
@@ -112,13 +113,9 @@ static enum status set_up(struct lk_tracer *t, struct lk_scene *scene)
 {
     const struct lk_settings *s = &t->info.settings;
     const struct settings settings = {.seed = s->seed, .depth = BOUNCES};
-    struct program_options options = {
-        .persistent = s->trace == LK_TRACE_PERSISTENT,
-        .bvh_wide = s->bvh == LK_BVH_WIDE,
-        .nodes_image = s->nodes == LK_NODES_TEXTURE,
-        .no_cache = s->no_cache,
-    };
+    struct program_options options = settings_program_options(s);
     uint32_t built = 0;
+    t->persistent = options.persistent;
     uint4 *points = NULL; // random: point_shift is 0
     enum status status = samples_build(&points, s->seed, BOUNCES, settings.point_shift);
     if (status == STATUS_OK)
@@ -149,7 +146,9 @@ static enum status begin(struct lk_tracer *t, struct lk_scene *scene)
         return status;
     settings_choose_variants(settings, &t->gpu.info);
     engine_describe_device(&t->info.device, &t->gpu.info);
-    status = prepare_scene(scene, settings);
+    status = settings_check_device(settings, &t->gpu);
+    if (status == STATUS_OK)
+        status = prepare_scene(scene, settings);
     if (status == STATUS_OK)
         status = camera_build(&t->camera, &scene->scene, &scene->prepared.geometry,
                               settings->camera, settings->width, settings->height);
@@ -203,7 +202,7 @@ static struct stage_context make_context(struct lk_tracer *t, uint32_t count)
         .scene = &t->scene,
         .wavefront = &t->wavefront,
         .batch = {.count = count, .pixel_count = t->info.width * t->info.height},
-        .persistent = t->info.settings.trace == LK_TRACE_PERSISTENT,
+        .persistent = t->persistent,
     };
     return context;
 }

@@ -5,7 +5,7 @@
  * Source of the queue: T. Aila, S. Laine, HPG 2009: a warp fetches its next rays by one atomic add.
  * Emulated in plain OpenCL C 1.2: the group is the warp, its first item fetches for all and hands
  * the place on through local memory. WARP_WIDTH is 32 on GPUs; on CPUs it is 1 and needs no
- * barrier.
+ * barrier. With WARP_VOTES the warp is the hardware's own, and no barrier is needed either.
  *
  * A kernel writes, with `queue` in scope as QUEUE_LOCAL:
  *
@@ -19,6 +19,7 @@
 #ifndef LIB_QUEUE_H
 #define LIB_QUEUE_H
 
+#include "lib/warp.h"
 #include "shared/base.h"
 
 #ifndef WARP_WIDTH
@@ -33,7 +34,9 @@
 // once: a quarter more rays/s than 64 on an H100; on CPUs PoCL's runs of 64 items hide its
 // scheduling.
 #ifndef WG_TRACE
-#if PERSISTENT
+#if PERSISTENT && WARP_VOTES
+#define WG_TRACE 128 // four warps, each with a queue of its own
+#elif PERSISTENT
 #define WG_TRACE WARP_WIDTH
 #elif DEVICE_CPU
 #define WG_TRACE 64
@@ -44,7 +47,20 @@
 
 #if PERSISTENT
 
-#if WARP_WIDTH > 1
+#if WARP_VOTES
+
+#define QUEUE_LOCAL(name) const uint name = (uint)get_local_id(0) % WARP_LANES
+
+// Fetches the warp's next run of WARP_LANES places; returns this lane's.
+static inline uint queue_fetch(volatile __global uint *head, const uint lane)
+{
+    uint first = 0;
+    if (lane == 0)
+        first = atomic_add(head, WARP_LANES);
+    return warp_first(first) + lane;
+}
+
+#elif WARP_WIDTH > 1
 
 #define QUEUE_LOCAL(name) __local uint name[1]
 
@@ -81,7 +97,11 @@ static inline uint queue_fetch(volatile __global uint *head, uint *queue)
 
 #define queue_first(head, queue)   queue_fetch(head, queue)
 #define queue_next(i, head, queue) queue_fetch(head, queue)
-#define queue_group(i)             ((i) - (uint)get_local_id(0))
+#if WARP_VOTES
+#define queue_group(i) ((i) - (uint)get_local_id(0) % WARP_LANES)
+#else
+#define queue_group(i) ((i) - (uint)get_local_id(0))
+#endif
 
 #else
 

@@ -4,13 +4,15 @@
  *
  * Source: T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009: the
  * while-while loop, both siblings tested together, the nearer first; Woop's test at the leaves.
- * Differs from it: the stack lies in private memory, and a triangle whose material lets some light
- * by is asked before it counts as a hit (lib/passage.h).
+ * With WARP_VOTES, leaves are put off until every lane of the warp has found one (the paper's
+ * speculative traversal). Differs from it: the stack lies in private memory, and a triangle whose
+ * material lets some light by is asked before it counts as a hit (lib/passage.h).
  */
 #ifndef LIB_TRAVERSE_BINARY_H
 #define LIB_TRAVERSE_BINARY_H
 
 #include "lib/traced.h"
+#include "lib/warp.h"
 #include "shared/bvh.h"
 
 #if NODES_IMAGE
@@ -21,7 +23,13 @@
 #define BVH_NODE_ROW(nodes, row) (nodes)[row]
 #endif
 
-#define TRAVERSE_DONE ((int)0x80000000) // below every entry of the stack
+#if WARP_VOTES
+#define TRAVERSE_ALL_HAVE(leaf) (!warp_any((leaf) == 0))
+#else
+#define TRAVERSE_ALL_HAVE(leaf) ((leaf) != 0)
+#endif
+
+#define TRAVERSE_DONE 0x7fffffff // below every entry of the stack; no node has that number
 
 // Finds what the ray hits between tmin and tmax (lib/traverse.h).
 static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
@@ -40,13 +48,14 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
     int top = 0;  // its last entry
     int node = 0; // current child word
 
-    const float3 inverse = 1.0f / (float3)(traverse_safe(dir.x), traverse_safe(dir.y),
-                                           traverse_safe(dir.z)); // slab test: t = plane * inverse
-    const float3 shift = -org * inverse;                          //            + shift
+    const float3 inverse = traverse_inverse(dir);
+    const float3 shift = -org * inverse;
 
     while (node != TRAVERSE_DONE) {
+        int leaf = 0; // child word of the leaf to test; 0: none yet, the root is no child
+
         // Go down until there is a leaf.
-        while (node >= 0) {
+        while ((uint)node < (uint)TRAVERSE_DONE) {
             const float4 row0 = BVH_NODE_ROW(nodes, 4 * node + 0);
             const float4 row1 = BVH_NODE_ROW(nodes, 4 * node + 1);
             const float4 row2 = BVH_NODE_ROW(nodes, 4 * node + 2);
@@ -88,11 +97,19 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             } else {
                 node = stack[top--];
             }
+
+            // Keep the first leaf, and go on with what is below it on the stack.
+            if (node < 0 && leaf == 0) {
+                leaf = node;
+                node = stack[top--];
+            }
+            if (TRAVERSE_ALL_HAVE(leaf))
+                break;
         }
 
         // Test the leaf's triangles, and those of leaves right below it on the stack.
-        while (node < 0 && node != TRAVERSE_DONE) {
-            const uint word = (uint)~node;
+        while (leaf < 0) {
+            const uint word = (uint)~leaf;
             const uint first = word >> BVH_LEAF_BITS;
             const uint end = first + (word & BVH_LEAF_MAX);
             for (uint i = first; i < end; i++) {
@@ -124,7 +141,9 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
                 if (any_hit)
                     return hit;
             }
-            node = stack[top--];
+            leaf = node;
+            if (node < 0)
+                node = stack[top--];
         }
     }
     return hit;

@@ -62,7 +62,7 @@ static inline uint wide_bits(const int4 lanes)
 // The lowest bit that is set; some is.
 static inline uint wide_lowest(const uint bits)
 {
-#if !WIDE_PORTABLE && defined(__clang__)
+#if !WIDE_PORTABLE && DEVICE_CPU && defined(__clang__)
     return (uint)__builtin_ctz(bits);
 #else
     return 31u - clz(bits & (0u - bits));

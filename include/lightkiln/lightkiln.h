@@ -182,8 +182,10 @@ enum lk_sampler {
 
 enum lk_trace {
     LK_TRACE_AUTO,
-    LK_TRACE_SIMPLE,    // one ray a work item
-    LK_TRACE_PERSISTENT // work fetched from a queue (Aila & Laine 2009)
+    LK_TRACE_SIMPLE,     // one ray a work item
+    LK_TRACE_PERSISTENT, // work fetched from a queue (Aila & Laine 2009)
+    LK_TRACE_POSTPONING, // one ray a work item; a warp tests leaves together (NVIDIA)
+    LK_TRACE_WARPS       // the same, with a queue for each warp (NVIDIA)
 };
 
 enum lk_bvh {

@@ -28,6 +28,8 @@ static const struct variant variants[] = {
     {"thesis BVH, wide simple", LK_BVH_BUILD_THESIS, LK_BVH_WIDE, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
     {"binary simple", LK_BVH_BUILD_SBVH, LK_BVH_BINARY, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
     {"binary persistent", LK_BVH_BUILD_SBVH, LK_BVH_BINARY, LK_TRACE_PERSISTENT, LK_NODES_BUFFER},
+    {"binary postponing", LK_BVH_BUILD_SBVH, LK_BVH_BINARY, LK_TRACE_POSTPONING, LK_NODES_BUFFER},
+    {"binary warps", LK_BVH_BUILD_SBVH, LK_BVH_BINARY, LK_TRACE_WARPS, LK_NODES_BUFFER},
     {"wide simple", LK_BVH_BUILD_SBVH, LK_BVH_WIDE, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
     {"wide persistent", LK_BVH_BUILD_SBVH, LK_BVH_WIDE, LK_TRACE_PERSISTENT, LK_NODES_BUFFER},
 };
@@ -67,7 +69,7 @@ static enum status create_tracers(struct bench *b)
         settings.trace = row->variant->trace;
         settings.nodes = row->variant->nodes;
         const enum lk_status status = lk_tracer_create(&row->tracer, b->scene, &settings);
-        if (status != LK_OK && (i == 0 || status != LK_LIMIT))
+        if (status != LK_OK && (i == 0 || (status != LK_LIMIT && status != LK_UNSUPPORTED)))
             return (enum status)status;
     }
     return STATUS_OK;

@@ -67,7 +67,7 @@ const struct option option_table[] = {
 
     HEADING(SIZED, "Device and kernels"),
     {"device", 0, BOTH, "WHICH", "cpu, gpu, P:D, or part of a name", "the best", TEXT(settings.device)},
-    {"trace", 0, BOTH, NULL, "traversal: a ray per item, or a work queue", NULL, CHOICE(settings.trace, choices_trace)},
+    {"trace", 0, BOTH, NULL, "a ray per item, a work queue, or by warps (NVIDIA)", NULL, CHOICE(settings.trace, choices_trace)},
     {"bvh", 0, SIZED, NULL, "layout of the BVH; wide is for CPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
     {"bvh-build", 0, SIZED, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},
     {"textures", 0, RENDER | INFO, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},

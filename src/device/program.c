@@ -33,6 +33,8 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "DEVICE_CPU", gpu->info.is_cpu);
     add_define(options, text, "PERSISTENT", chosen->persistent);
     add_define(options, text, "BVH_WIDE", chosen->bvh_wide);
+    if (chosen->warp_votes)
+        add_define(options, text, "WARP_VOTES", 1);
     add_define(options, text, "NODES_IMAGE", chosen->nodes_image);
     add_define(options, text, "ANY_HIT", chosen->any_hit);
     add_define(options, text, "ALPHA", chosen->alpha);
@@ -118,6 +120,17 @@ enum status program_build(struct program *out, const struct gpu *gpu, const char
         if (strcmp(cl_sources[i].name, name) == 0)
             return program_build_text(out, gpu, cl_sources[i].text, cl_sources[i].size, options);
     return status_fail(STATUS_DEVICE, "no kernel source named \"%s\" is built in", name);
+}
+
+bool program_takes_votes(const struct gpu *gpu)
+{
+    const struct program_options options = {0};
+    struct program program = {0};
+    if (strstr(gpu->info.platform, "NVIDIA") == NULL ||
+        program_build(&program, gpu, "probe_votes", &options) != STATUS_OK)
+        return false;
+    program_free(&program);
+    return true;
 }
 
 void program_free(struct program *program)

@@ -23,6 +23,7 @@
 struct program_options {
     bool persistent;     // trace, direct, directional: work from a queue
     bool bvh_wide;       // the 8-wide BVH instead of the binary one
+    bool warp_votes;     // trace, direct, directional: lanes of a warp vote (lib/warp.h)
     bool nodes_image;    // binary BVH's nodes through a 1D texture
     bool any_hit;        // trace: some hit instead of the nearest
     bool alpha;          // the scene has materials that let rays by
@@ -74,6 +75,12 @@ enum status program_build(struct program *out, const struct gpu *gpu, const char
 /** Builds a program from a text of the caller's: for tests of single functions. */
 enum status program_build_text(struct program *out, const struct gpu *gpu, const char *text,
                                size_t size, const struct program_options *options);
+
+/**
+ * Whether kernels may be built with warp_votes: on NVIDIA's platform, where a trial compile works.
+ * Others are not tried, since a compiler may not survive another machine's instructions.
+ */
+bool program_takes_votes(const struct gpu *gpu);
 
 void program_free(struct program *program);
 

@@ -16,7 +16,7 @@
 #include "trace_oracle.h"
 #include "trace_rays.h"
 
-#define VARIANT_COUNT 16
+#define VARIANT_COUNT 20
 #define BLENDED_ALPHA 0.4
 #define RAYS          2100u
 #define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
@@ -50,6 +50,10 @@ static const struct variant all_variants[VARIANT_COUNT] = {
     {.tree = TREE_WIDE_SPLIT,
      .options = {.bvh_wide = true, .alpha = true},
      .source = "trace_portable"},
+    {.tree = TREE_BINARY, .options = {.warp_votes = true}},
+    {.tree = TREE_SPLIT, .options = {.warp_votes = true, .alpha = true}},
+    {.tree = TREE_SPLIT, .options = {.warp_votes = true, .persistent = true}},
+    {.tree = TREE_BINARY, .options = {.warp_votes = true, .persistent = true, .alpha = true}},
     {.tree = TREE_TEXTURE, .options = {.nodes_image = true}},
     {.tree = TREE_TEXTURE, .options = {.nodes_image = true, .alpha = true}},
     {.tree = TREE_TEXTURE, .options = {.nodes_image = true, .persistent = true}},
@@ -89,12 +93,14 @@ static inline void build_variant(struct variant *variant, struct gpu *gpu)
 static inline struct fixture make_fixture(struct gpu *gpu)
 {
     struct fixture f = {.gpu = gpu};
+    const bool votes = program_takes_votes(gpu);
     for (int i = 0; i < VARIANT_COUNT; i++) {
-        f.variants[i] = all_variants[i];
-        if (f.variants[i].options.nodes_image && !gpu->info.has_images)
-            break;
-        build_variant(&f.variants[i], gpu);
-        f.variant_count++;
+        const struct program_options *options = &all_variants[i].options;
+        if ((options->nodes_image && !gpu->info.has_images) || (options->warp_votes && !votes))
+            continue;
+        struct variant *variant = &f.variants[f.variant_count++];
+        *variant = all_variants[i];
+        build_variant(variant, gpu);
     }
     for (int wide = 0; wide < 2; wide++) {
         const struct program_options options = {.alpha = true, .bvh_wide = wide};

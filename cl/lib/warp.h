@@ -1,0 +1,37 @@
+/**
+ * @file
+ * What the lanes of an NVIDIA warp tell each other, by inline PTX: OpenCL C has no words for it.
+ * Used where a trial compile shows that the device's compiler takes it (device/program.h).
+ */
+#ifndef LIB_WARP_H
+#define LIB_WARP_H
+
+#include "shared/base.h"
+
+#if WARP_VOTES
+
+#define WARP_LANES 32
+
+// Whether something holds for any of the lanes that are here now.
+static inline bool warp_any(const bool holds)
+{
+    uint here;
+    uint which;
+    __asm volatile("activemask.b32 %0;" : "=r"(here));
+    __asm volatile("{ .reg .pred p; setp.ne.u32 p, %1, 0; vote.sync.ballot.b32 %0, p, %2; }"
+                   : "=r"(which)
+                   : "r"((uint)holds), "r"(here));
+    return which != 0;
+}
+
+// The first lane's value. All lanes of the warp must come here.
+static inline uint warp_first(const uint value)
+{
+    uint first;
+    __asm volatile("shfl.sync.idx.b32 %0, %1, 0, 31, 0xffffffff;" : "=r"(first) : "r"(value));
+    return first;
+}
+
+#endif
+
+#endif

@@ -1,0 +1,13 @@
+// No stage: whether this device's compiler takes lib/warp.h. It is built, and never run.
+
+#define WARP_VOTES 1
+
+#include "lib/warp.h"
+
+__kernel __attribute__((reqd_work_group_size(WARP_LANES, 1, 1))) void probe_votes(
+    __global uint *restrict out)
+{
+    const uint lane = get_local_id(0);
+    const uint first = warp_first(lane + 1);
+    out[lane] = warp_any(lane == first) ? first : 0;
+}
