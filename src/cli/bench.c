@@ -19,21 +19,34 @@ static const struct experiment experiments[] = {
     {"scale", bench_scale, 0, 0},
 };
 
-enum status bench_refuse(const struct options *options, const char *experiment)
+// Fails if an option is given that the experiment has no use for: it would be ignored.
+static enum status refuse(const char *experiment, const struct options *options)
 {
     struct options defaults;
     options_init(&defaults);
     const struct lk_settings *given = &options->settings;
     const struct lk_settings *none = &defaults.settings;
-    const char *name = given->width != none->width               ? "width"
-                       : given->height != none->height           ? "height"
-                       : given->camera != none->camera           ? "camera"
-                       : given->depth != none->depth             ? "depth"
-                       : given->shadow_rays != none->shadow_rays ? "shadow-rays"
-                                                                 : NULL;
-    if (name == NULL)
-        return STATUS_OK;
-    return status_fail(STATUS_USAGE, "bench %s chooses --%s itself", experiment, name);
+    const struct {
+        const char *name, *users;
+        bool is_given;
+    } uses[] = {
+        {"width", "lights trace", given->width != none->width},
+        {"height", "lights trace", given->height != none->height},
+        {"camera", "lights trace", given->camera != none->camera},
+        {"depth", "lights", given->depth != none->depth},
+        {"shadow-rays", "lights", given->shadow_rays != none->shadow_rays},
+        {"time", "lights report memory scale", given->time_s != none->time_s},
+        {"reference", "lights report", options->reference != NULL},
+        {"reference-time", "lights report", options->reference_time_s > 0.0},
+        {"runs", "trace", options->runs != defaults.runs},
+        {"quick", "report memory scale", options->quick},
+        {"out", "report memory scale", strcmp(options->out, defaults.out) != 0},
+    };
+    for (size_t i = 0; i < sizeof(uses) / sizeof(uses[0]); i++)
+        if (uses[i].is_given && strstr(uses[i].users, experiment) == NULL)
+            return status_fail(STATUS_USAGE, "bench %s has no use for --%s; it is for %s",
+                               experiment, uses[i].name, uses[i].users);
+    return STATUS_OK;
 }
 
 enum status command_bench(const struct options *options)
@@ -48,9 +61,14 @@ enum status command_bench(const struct options *options)
         const struct experiment *experiment = &experiments[i];
         if (strcmp(name, experiment->name) != 0)
             continue;
-        if (scenes < experiment->scenes_min || scenes > experiment->scenes_max)
-            return status_fail(STATUS_USAGE, "bench %s takes %u to %u scenes, not %u", name,
-                               experiment->scenes_min, experiment->scenes_max, scenes);
+        if (scenes < experiment->scenes_min)
+            return status_fail(STATUS_USAGE, "say which scene: lightkiln bench %s SCENE", name);
+        if (scenes > experiment->scenes_max)
+            return status_fail(STATUS_USAGE, "bench %s: %s is one scene too many", name,
+                               options->operands[experiment->scenes_max + 1]);
+        const enum status status = refuse(name, options);
+        if (status != STATUS_OK)
+            return status;
         return experiment->run(options);
     }
     return status_fail(

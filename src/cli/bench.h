@@ -8,10 +8,6 @@
 #include "cli/options.h"
 #include "core/status.h"
 
-/** Fails if an option is given that an experiment that chooses images and paths itself has no use
- * for. */
-enum status bench_refuse(const struct options *options, const char *experiment);
-
 /** Section 4 of the thesis, on the scenes named or on those that scripts/make_scenes writes. */
 enum status bench_report(const struct options *options);
 

@@ -1,8 +1,8 @@
 #include <stdio.h>
 
 #include "cli/bench.h"
+#include "cli/bench_table.h"
 #include "cli/progress.h"
-#include "core/json.h"
 
 #define DEFAULT_TIME_S  10.0 // of each sampler
 #define REFERENCE_TIMES 10   // a rendered reference takes so many times as long
@@ -46,59 +46,64 @@ static enum status make_reference(struct lk_image **out, struct lk_scene *scene,
                         options);
 }
 
-static uint64_t light_count(const struct lk_lights *lights)
-{
-    return lights->point + lights->spot + lights->rect + lights->emissive_triangles;
-}
+static const struct bench_column columns[] = {
+    {"sampler", "sampler", NULL},
+    {"spp", "samples a pixel", "%.1f"},
+    {"variance", "variance", "%.5g"},
+    {"of_uniform", "of uniform's", "%.4f"},
+    {"mrays_per_s", "Mrays/s", "%.2f"},
+    {"ns_per_shadow_ray", "ns a shadow ray", "%.1f"},
+    {"bytes_per_light", "bytes a light", "%.1f"},
+};
 
-static void print_rows(const struct lights_row *rows, size_t count, const struct options *options)
+static void fill(struct bench_table *out, const struct lights_row *rows, size_t count)
 {
-    const struct lk_render_info *info = &rows[0].info;
-    printf("%s, %u x %u, depth %u, %g s each, %llu lights, %s\n", options->operands[1],
-           info->settings.width, info->settings.height, info->settings.depth, info->settings.time_s,
-           (unsigned long long)light_count(&info->scene.lights), info->device.name);
-    printf("%-12s %9s %12s %12s %12s %12s %14s\n", "sampler", "spp", "variance", "of uniform",
-           "Mrays/s", "ns/shadow", "bytes/light");
     for (size_t i = 0; i < count; i++) {
         const struct lk_render_info *row = &rows[i].info;
         const double rays = (double)(row->rays_camera + row->rays_indirect + row->rays_shadow);
-        const uint64_t lights = light_count(&row->scene.lights);
-        printf("%-12s %9.1f %12.5g %12.4f %12.2f %12.1f %14.1f\n", rows[i].name, row->spp,
-               rows[i].comparison.variance,
-               rows[i].comparison.variance / rows[0].comparison.variance,
-               rays / row->time_s.render * 1e-6,
-               row->time_s.render * 1e9 / (double)(row->rays_shadow > 0 ? row->rays_shadow : 1),
-               lights > 0 ? (double)row->scene.memory.lights / (double)lights : 0.0);
+        const uint64_t lights = row->scene.lights.drawn;
+        bench_text(out, rows[i].name);
+        bench_number(out, row->spp);
+        bench_number(out, rows[i].comparison.variance);
+        bench_number(out, rows[i].comparison.variance / rows[0].comparison.variance);
+        bench_number(out, rays / row->time_s.render * 1e-6);
+        bench_number(out, row->time_s.render * 1e9 / (double)row->rays_shadow);
+        bench_number(out, (double)row->scene.memory.lights / (double)lights);
     }
 }
 
-static enum status print_json(const struct lights_row *rows, size_t count,
-                              const struct options *options)
+static enum status print(const struct lights_row *rows, size_t count, const struct options *options)
 {
+    const struct lk_render_info *info = &rows[0].info;
+    struct bench_table table = {.key = "samplers",
+                                .title = "Light samplers at equal time",
+                                .columns = columns,
+                                .column_count = sizeof(columns) / sizeof(columns[0])};
     struct json json = {0};
-    json_object(&json, NULL);
-    json_string(&json, "scene", options->operands[1]);
-    json_string(&json, "device", rows[0].info.device.name);
-    json_double(&json, "time_s", rows[0].info.settings.time_s);
-    json_uint(&json, "depth", rows[0].info.settings.depth);
-    json_uint(&json, "lights", light_count(&rows[0].info.scene.lights));
-    json_array(&json, "samplers");
-    for (size_t i = 0; i < count; i++) {
-        json_object(&json, NULL);
-        json_string(&json, "name", rows[i].name);
-        json_double(&json, "variance", rows[i].comparison.variance);
-        json_double(&json, "spp", rows[i].info.spp);
-        json_double(&json, "render_s", rows[i].info.time_s.render);
-        json_uint(&json, "rays_shadow", rows[i].info.rays_shadow);
-        json_uint(&json, "lights_bytes", rows[i].info.scene.memory.lights);
+    enum status status = STATUS_OK;
+    fill(&table, rows, count);
+    if (options->json) {
+        bench_json_begin(&json, "lights", &info->device);
+        json_string(&json, "scene", options->operands[1]);
+        json_double(&json, "time_s", info->settings.time_s);
+        json_uint(&json, "width", info->settings.width);
+        json_uint(&json, "height", info->settings.height);
+        json_uint(&json, "depth", info->settings.depth);
+        json_uint(&json, "lights", info->scene.lights.drawn);
+        bench_table_json(&json, &table);
         json_object_end(&json);
+        status = json_finish(&json);
+        if (status == STATUS_OK)
+            fputs(json.text, stdout);
+    } else {
+        printf("%s, %u x %u, depth %u, %g s each, %llu lights, %s\n", options->operands[1],
+               info->settings.width, info->settings.height, info->settings.depth,
+               info->settings.time_s, (unsigned long long)info->scene.lights.drawn,
+               info->device.name);
+        bench_table_print(stdout, &table);
     }
-    json_array_end(&json);
-    json_object_end(&json);
-    const enum status status = json_finish(&json);
-    if (status == STATUS_OK)
-        fputs(json.text, stdout);
     json_free(&json);
+    bench_table_free(&table);
     return status;
 }
 
@@ -130,10 +135,8 @@ enum status bench_lights(const struct options *options)
             rows[i].info = *lk_image_info(image);
         lk_image_free(image);
     }
-    if (status == STATUS_OK && options->json)
-        status = print_json(rows, count, options);
-    else if (status == STATUS_OK)
-        print_rows(rows, count, options);
+    if (status == STATUS_OK)
+        status = print(rows, count, options);
     lk_image_free(reference);
     lk_scene_free(scene);
     return status;

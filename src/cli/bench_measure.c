@@ -1,7 +1,9 @@
 // Tables 1 to 3 and the pictures of one scene.
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/bench_results.h"
 #include "cli/progress.h"
@@ -30,6 +32,14 @@ struct bench_plan bench_plan_of(const struct options *options)
                                                        : REFERENCE_TIMES * plan.converge_s;
     plan.picture_s = 0.25 * plan.converge_s;
     return plan;
+}
+
+enum status bench_find_scene(const char *file)
+{
+    if (access(file, R_OK) == 0)
+        return STATUS_OK;
+    return status_fail(STATUS_IO, "%s: %s; scripts/make_scenes makes the scenes of bench", file,
+                       strerror(errno));
 }
 
 struct lk_settings bench_settings(const struct bench_plan *plan, uint32_t size, const char *camera)
@@ -198,6 +208,10 @@ static enum status measure_small_queue(struct bench_scene *out, struct lk_scene 
     const double each = (double)out->used.rays / out->queue;
     const double most = 0.5e6 * THESIS_RAYS_MB / each;
     out->small_queue = most < out->queue ? (uint32_t)most : out->queue;
+    if (out->small_queue == out->queue) { // the default is small enough
+        out->small_rays_per_s = out->speed[1][1][0].rays_per_s;
+        return STATUS_OK;
+    }
     settings.queue = out->small_queue;
     settings.time_s = plan->measure_s;
     settings.depth = thesis_depths[1];

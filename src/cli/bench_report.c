@@ -367,9 +367,7 @@ enum status bench_report(const struct options *options)
     if (results == NULL)
         return status_fail(STATUS_NO_MEMORY, "bench: not enough memory");
     results->plan = bench_plan_of(options);
-    enum status status = bench_refuse(options, "report");
-    if (status == STATUS_OK)
-        status = bench_folder(results->plan.folder);
+    enum status status = bench_folder(results->plan.folder);
     const bool named = options->operands[0] != NULL && options->operands[1] != NULL;
     for (unsigned i = 0; status == STATUS_OK; i++) {
         const char *file = NULL;
@@ -378,6 +376,9 @@ enum status bench_report(const struct options *options)
         else
             file = i < COUNT(default_scenes) ? default_scenes[i] : NULL;
         if (file == NULL)
+            break;
+        status = bench_find_scene(file);
+        if (status != STATUS_OK)
             break;
         status = bench_scene_measure(&results->scenes[i], file, &results->plan);
         results->scene_count = i + 1;

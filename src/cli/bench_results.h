@@ -76,6 +76,9 @@ struct bench_results {
 /** What the options ask for. */
 struct bench_plan bench_plan_of(const struct options *options);
 
+/** Is the scene there? @retval STATUS_IO  Tells how the scenes of these experiments are made. */
+enum status bench_find_scene(const char *file);
+
 /** The thesis's settings: its light tree; what else the options say. */
 struct lk_settings bench_settings(const struct bench_plan *plan, uint32_t size, const char *camera);
 

@@ -70,7 +70,7 @@ static enum status measure(struct bench_table *table, struct lk_device_info *dev
 
 enum status bench_scale(const struct options *options)
 {
-    const struct bench_plan plan = bench_plan_of(options);
+    struct bench_plan plan = bench_plan_of(options);
     const uint32_t most_triangles = options->quick ? 1000000 : 10000000;
     const uint32_t most_lights = options->quick ? 10000 : 1000000;
     struct bench_table table = {.key = "scale",
@@ -79,9 +79,9 @@ enum status bench_scale(const struct options *options)
                                 .column_count = sizeof(columns) / sizeof(columns[0])};
     struct lk_device_info device = {0};
     char path[4096];
-    enum status status = bench_refuse(options, "scale");
-    if (status == STATUS_OK)
-        status = bench_folder(plan.folder);
+    if (options->settings.time_s > 0.0)
+        plan.measure_s = options->settings.time_s;
+    enum status status = bench_folder(plan.folder);
     if (status == STATUS_OK)
         status = bench_path(path, sizeof(path), plan.folder, "scale.glb");
     for (uint32_t n = 10000; n <= most_triangles && status == STATUS_OK; n *= 10) {

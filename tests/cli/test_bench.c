@@ -13,6 +13,7 @@
 
 #include "cli/bench_cave.h"
 #include "cli/bench_results.h"
+#include "cli/commands.h"
 
 // ---- Tables
 
@@ -169,6 +170,35 @@ static void conclusions_follow_the_measurements(void **state)
     free(results);
 }
 
+// ---- The command
+
+static enum status run(const char *line)
+{
+    static char text[256];
+    char *args[16];
+    int count = 0;
+    struct options options;
+    snprintf(text, sizeof(text), "%s", line);
+    for (char *word = strtok(text, " "); word != NULL; word = strtok(NULL, " "))
+        args[count++] = word;
+    const enum status status = options_parse(&options, COMMAND_BENCH, args, count);
+    return status == STATUS_OK ? command_bench(&options) : status;
+}
+
+static void options_without_use_are_refused(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {"report --depth 3",     "--width 100",
+                                        "memory --reference a", "scale --runs 3",
+                                        "lights a.glb --quick", "trace a.glb --out b",
+                                        "scale a.glb",          "lights",
+                                        "lights a.glb b.glb",   "teapot"};
+    for (size_t i = 0; i < sizeof(lines) / sizeof(lines[0]); i++)
+        assert_int_equal(run(lines[i]), STATUS_USAGE);
+    assert_int_equal(run("report nosuch.glb --out /tmp --quiet"), STATUS_IO);
+    assert_non_null(strstr(status_message(), "make_scenes"));
+}
+
 // ---- The cave
 
 static void cave_has_the_triangles_and_lights_asked_for(void **state)
@@ -203,6 +233,7 @@ int main(void)
         cmocka_unit_test(thesis_shares_add_up),
         cmocka_unit_test(curve_is_read_between_its_points),
         cmocka_unit_test(conclusions_follow_the_measurements),
+        cmocka_unit_test(options_without_use_are_refused),
         cmocka_unit_test(cave_has_the_triangles_and_lights_asked_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
