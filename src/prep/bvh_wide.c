@@ -8,7 +8,8 @@
 #include "prep/box.h"
 #include "prep/bvh_pack.h"
 
-// Cost of a visit of a node and of a test of a block; 1 and 0.7 to 1.3 trace Sponza alike.
+// Cost of a visit of a node and of a test of a block. Dearer nodes (2) make bounces in Sponza 4 %
+// faster and shadow rays 5 % slower there and in a small scene.
 #define NODE_COST  1.0f
 #define BLOCK_COST 1.0f
 
