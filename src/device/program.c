@@ -30,6 +30,10 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     // Denormals and the sign of zero mean nothing to light, and cost instructions to keep.
     snprintf(options, OPTIONS_MAX,
              "-cl-std=CL1.2 -cl-mad-enable -cl-denorms-are-zero -cl-no-signed-zeros -D DEVICE=1");
+    // An H100 renders 3 to 10 % faster, and Sponza's variance between the two is 5e-10 where its
+    // noise at 1024 samples is 7e-6. CPUs are left exact: what is slow there is written by hand.
+    if (!gpu->info.is_cpu)
+        strcat(options, " -cl-fast-relaxed-math");
     add_define(options, text, "DEVICE_CPU", gpu->info.is_cpu);
     add_define(options, text, "PERSISTENT", chosen->persistent);
     add_define(options, text, "BVH_WIDE", chosen->bvh_wide);
