@@ -49,15 +49,15 @@ def plate(width, height, thick, bolts=True, inset=0.08):
 def quilt(width, height, seed, least=0.45, depth=0.06):
     """A wall of panels of many sizes, some raised, some with vents; as (material, mesh)."""
     rng = np.random.default_rng(seed)
-    todo, out = [(0.0, 0.0, width, height)], []
-    while todo:
-        x, y, w, h = todo.pop()
+    pending, out = [(0.0, 0.0, width, height)], []
+    while pending:
+        x, y, w, h = pending.pop()
         if max(w, h) > 2 * least and (max(w, h) > 3.5 * least or rng.random() < 0.75):
             t = rng.choice([0.35, 0.5, 0.5, 0.65])
             if w > h:
-                todo += [(x, y, t * w, h), (x + t * w, y, (1 - t) * w, h)]
+                pending += [(x, y, t * w, h), (x + t * w, y, (1 - t) * w, h)]
             else:
-                todo += [(x, y, w, t * h), (x, y + t * h, w, (1 - t) * h)]
+                pending += [(x, y, w, t * h), (x, y + t * h, w, (1 - t) * h)]
             continue
         thick = depth * rng.choice([0.6, 1.0, 1.0, 1.7])
         kind = rng.choice(["hull", "hull", "dark", "pale", "vent", "box"], p=[0.34, 0.2, 0.16, 0.14, 0.1, 0.06])

@@ -86,16 +86,16 @@ def plates(n, depth, seed, least=0.12):
     rng = np.random.default_rng(seed)
     piece, edge = np.zeros((n, n), int), np.zeros((n, n))
     u, v = coordinates(n)
-    todo, count = [(0.0, 0.0, 1.0, 1.0, 0)], 0
-    while todo:
-        x0, y0, x1, y1, level = todo.pop()
+    pending, count = [(0.0, 0.0, 1.0, 1.0, 0)], 0
+    while pending:
+        x0, y0, x1, y1, level = pending.pop()
         w, h = x1 - x0, y1 - y0
         if level < depth and max(w, h) > 2 * least and rng.random() < 0.95:
             t = rng.choice([0.3, 0.4, 0.5, 0.6, 0.7])
             if w * rng.uniform(0.7, 1.4) > h:
-                todo += [(x0, y0, x0 + t * w, y1, level + 1), (x0 + t * w, y0, x1, y1, level + 1)]
+                pending += [(x0, y0, x0 + t * w, y1, level + 1), (x0 + t * w, y0, x1, y1, level + 1)]
             else:
-                todo += [(x0, y0, x1, y0 + t * h, level + 1), (x0, y0 + t * h, x1, y1, level + 1)]
+                pending += [(x0, y0, x1, y0 + t * h, level + 1), (x0, y0 + t * h, x1, y1, level + 1)]
             continue
         inside = (u >= x0) & (u < x1) & (v >= y0) & (v < y1)
         piece[inside] = count

@@ -1,12 +1,13 @@
 /**
  * @file
- * Axis-aligned boxes in the making.
+ * Axis-aligned boxes in the making, and arrays of them that builders put in order.
  */
 #ifndef PREP_BOX_H
 #define PREP_BOX_H
 
 #include <float.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 /** A box of four lanes, so that it is united by vector instructions; lane 3 stays 0. */
 struct box {
@@ -53,5 +54,31 @@ static inline float box_center(const struct box *box, int axis)
 {
     return 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
 }
+
+/** Exchanges two boxes, and the numbers that belong to them. */
+static inline void boxes_swap(struct box *boxes, uint32_t *order, int64_t i, int64_t j)
+{
+    const struct box box = boxes[i];
+    boxes[i] = boxes[j];
+    boxes[j] = box;
+    const uint32_t number = order[i];
+    order[i] = order[j];
+    order[j] = number;
+}
+
+/** Bounds boxes [count], and their centers. */
+void boxes_bound(struct box *bounds, struct box *centers, const struct box *boxes, uint32_t count);
+
+/**
+ * Reorders boxes [count] and the numbers that belong to them about the median of the longest axis
+ * (quickselect).
+ *
+ * @param centers  Bounds of their centers.
+ * @return How many went left: half.
+ */
+uint32_t boxes_halve(struct box *boxes, uint32_t *order, uint32_t count, const struct box *centers);
+
+/** Levels that halving takes to part n boxes. */
+uint32_t boxes_levels(uint32_t n);
 
 #endif

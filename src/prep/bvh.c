@@ -114,16 +114,6 @@ static struct split choose_split(const struct box *boxes, uint32_t count, const 
     return split;
 }
 
-static inline void swap_refs(struct builder *builder, int64_t i, int64_t j)
-{
-    const struct box box = builder->boxes[i];
-    builder->boxes[i] = builder->boxes[j];
-    builder->boxes[j] = box;
-    const uint32_t index = builder->order[i];
-    builder->order[i] = builder->order[j];
-    builder->order[j] = index;
-}
-
 // Reorders the references of a range by a split. Returns how many went left.
 static uint32_t partition(struct builder *builder, const struct range *range,
                           const struct split *split)
@@ -134,67 +124,9 @@ static uint32_t partition(struct builder *builder, const struct range *range,
         if (bin_of(&builder->boxes[i], split->axis, split->lo, split->scale) < split->plane)
             i++;
         else
-            swap_refs(builder, i, --end);
+            boxes_swap(builder->boxes, builder->order, i, --end);
     }
     return i - range->first;
-}
-
-// Reorders the references of a range about the median of their centroids on the longest axis
-// (quickselect). Returns how many went left: half.
-static uint32_t halve(struct builder *builder, const struct range *range, const struct box *centers)
-{
-    int axis = 0;
-    for (int k = 1; k < 3; k++)
-        if (centers->hi[k] - centers->lo[k] > centers->hi[axis] - centers->lo[axis])
-            axis = k;
-
-    const int64_t median = (int64_t)range->first + range->count / 2;
-    int64_t lo = range->first;
-    int64_t hi = lo + range->count - 1;
-    while (lo < hi) {
-        const float pivot = box_center(&builder->boxes[lo + (hi - lo) / 2], axis);
-        int64_t i = lo;
-        int64_t j = hi;
-        while (i <= j) {
-            while (box_center(&builder->boxes[i], axis) < pivot)
-                i++;
-            while (box_center(&builder->boxes[j], axis) > pivot)
-                j--;
-            if (i <= j)
-                swap_refs(builder, i++, j--);
-        }
-        if (median <= j)
-            hi = j;
-        else if (median >= i)
-            lo = i;
-        else
-            break; // all between equal the pivot
-    }
-    return range->count / 2;
-}
-
-// Levels that halving takes to part n references.
-static uint32_t levels(uint32_t n)
-{
-    uint32_t levels = 0;
-    while (levels < 32 && ((uint64_t)1 << levels) < n)
-        levels++;
-    return levels;
-}
-
-// Bounds the references of a range, and their centroids.
-static void find_bounds(struct box *bounds, struct box *centers, const struct box *boxes,
-                        uint32_t count)
-{
-    *bounds = box_empty;
-    *centers = box_empty;
-    for (uint32_t i = 0; i < count; i++) {
-        struct box center;
-        for (int k = 0; k < 4; k++)
-            center.lo[k] = center.hi[k] = box_center(&boxes[i], k);
-        box_unite(bounds, &boxes[i]);
-        box_unite(centers, &center);
-    }
 }
 
 // Builds the subtree of a range. Where it stands and what is in it depends on the range alone, so
@@ -204,7 +136,7 @@ static void build_node(struct builder *builder, struct range range)
     struct bvh_build_node *node = &builder->nodes[range.node];
     const struct box *boxes = builder->boxes + range.first;
     struct box bounds, centers;
-    find_bounds(&bounds, &centers, boxes, range.count);
+    boxes_bound(&bounds, &centers, boxes, range.count);
     memcpy(node->lo, bounds.lo, sizeof(node->lo));
     memcpy(node->hi, bounds.hi, sizeof(node->hi));
     if (range.count < builder->leaf_size) {
@@ -215,13 +147,14 @@ static void build_node(struct builder *builder, struct range range)
 
     // Split by cost, or in half where no plane separates or the tree gets too deep.
     uint32_t left_count = 0;
-    if (range.depth + levels(range.count) < DEPTH_LIMIT) {
+    if (range.depth + boxes_levels(range.count) < DEPTH_LIMIT) {
         const struct split split = choose_split(boxes, range.count, &centers);
         if (split.axis >= 0)
             left_count = partition(builder, &range, &split);
     }
     if (left_count == 0 || left_count == range.count)
-        left_count = halve(builder, &range, &centers);
+        left_count = boxes_halve(builder->boxes + range.first, builder->order + range.first,
+                                 range.count, &centers);
 
     // One pair of places is for the children; they share out the others by their references.
     node->left = 1 + 2 * range.pair;

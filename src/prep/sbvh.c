@@ -37,15 +37,6 @@ struct range {
     uint32_t depth; // 1 for the root
 };
 
-// Levels that halving takes to part n references.
-static uint32_t levels(uint32_t n)
-{
-    uint32_t levels = 0;
-    while (levels < 32 && ((uint64_t)1 << levels) < n)
-        levels++;
-    return levels;
-}
-
 // Splits a range's references by what is cheapest. Returns how many are left, 0 for a leaf; the
 // right ones follow them, and range->count becomes the number of both.
 static uint32_t split_range(struct builder *builder, struct range *range, const struct box *bounds,
@@ -53,8 +44,10 @@ static uint32_t split_range(struct builder *builder, struct range *range, const 
 {
     const bool may_leaf = range->count < builder->leaf_size;
     struct part_set *parts = &builder->parts;
-    if (range->depth + levels(range->count) >= DEPTH_LIMIT) // too deep for anything uneven
-        return may_leaf ? 0 : split_median(parts, range->first, range->count, centers);
+    if (range->depth + boxes_levels(range->count) >= DEPTH_LIMIT) // too deep for anything uneven
+        return may_leaf ? 0
+                        : boxes_halve(parts->boxes + range->first, parts->order + range->first,
+                                      range->count, centers);
 
     struct object_split object;
     struct spatial_split spatial = {.cost = DBL_MAX};
@@ -74,7 +67,8 @@ static uint32_t split_range(struct builder *builder, struct range *range, const 
     }
     if (object.axis >= 0)
         return split_objects(parts, range->first, range->count, &object);
-    return split_median(parts, range->first, range->count, centers);
+    return boxes_halve(parts->boxes + range->first, parts->order + range->first, range->count,
+                       centers);
 }
 
 // Builds the subtree of a range. Where it stands and what is in it depends on the range alone, so
@@ -83,7 +77,7 @@ static void build_node(struct builder *builder, struct range range)
 {
     struct bvh_build_node *node = &builder->nodes[range.node];
     struct box bounds, centers;
-    split_bounds(&bounds, &centers, &builder->parts, range.first, range.count);
+    boxes_bound(&bounds, &centers, builder->parts.boxes + range.first, range.count);
     memcpy(node->lo, bounds.lo, sizeof(node->lo));
     memcpy(node->hi, bounds.hi, sizeof(node->hi));
     const uint32_t left_count =
@@ -130,7 +124,7 @@ static void load_refs(struct builder *builder, const struct tri_ref *refs, uint3
         memcpy(box->hi, refs[i].hi, sizeof(refs[i].hi));
         parts->order[i] = i;
     }
-    split_bounds(&bounds, &centers, parts, 0, ref_count);
+    boxes_bound(&bounds, &centers, parts->boxes, ref_count);
     builder->overlap = SPLIT_ALPHA * box_half_area(bounds.lo, bounds.hi);
 }
 

@@ -8,30 +8,6 @@
 
 // ---- what both ways share
 
-void split_bounds(struct box *bounds, struct box *centers, const struct part_set *parts,
-                  uint32_t first, uint32_t count)
-{
-    *bounds = box_empty;
-    *centers = box_empty;
-    for (uint32_t i = first; i < first + count; i++) {
-        struct box center;
-        for (int k = 0; k < 4; k++)
-            center.lo[k] = center.hi[k] = box_center(&parts->boxes[i], k);
-        box_unite(bounds, &parts->boxes[i]);
-        box_unite(centers, &center);
-    }
-}
-
-static inline void swap_parts(struct part_set *parts, uint32_t i, uint32_t j)
-{
-    const struct box box = parts->boxes[i];
-    parts->boxes[i] = parts->boxes[j];
-    parts->boxes[j] = box;
-    const uint32_t index = parts->order[i];
-    parts->order[i] = parts->order[j];
-    parts->order[j] = index;
-}
-
 void split_move(struct part_set *parts, uint32_t from, uint32_t to, uint32_t count)
 {
     if (from == to)
@@ -144,45 +120,9 @@ uint32_t split_objects(struct part_set *parts, uint32_t first, uint32_t count,
         if (bin_of(&parts->boxes[i], split->axis, split->lo, split->scale) < split->plane)
             i++;
         else
-            swap_parts(parts, i, --end);
+            boxes_swap(parts->boxes, parts->order, i, --end);
     }
     return i - first;
-}
-
-// ---- at the median
-
-uint32_t split_median(struct part_set *parts, uint32_t first, uint32_t count,
-                      const struct box *centers)
-{
-    int axis = 0;
-    for (int k = 1; k < 3; k++)
-        if (centers->hi[k] - centers->lo[k] > centers->hi[axis] - centers->lo[axis])
-            axis = k;
-
-    // Quickselect.
-    const int64_t median = (int64_t)first + count / 2;
-    int64_t lo = first;
-    int64_t hi = lo + count - 1;
-    while (lo < hi) {
-        const float pivot = box_center(&parts->boxes[lo + (hi - lo) / 2], axis);
-        int64_t i = lo;
-        int64_t j = hi;
-        while (i <= j) {
-            while (box_center(&parts->boxes[i], axis) < pivot)
-                i++;
-            while (box_center(&parts->boxes[j], axis) > pivot)
-                j--;
-            if (i <= j)
-                swap_parts(parts, (uint32_t)i++, (uint32_t)j--);
-        }
-        if (median <= j)
-            hi = j;
-        else if (median >= i)
-            lo = i;
-        else
-            break; // all between equal the pivot
-    }
-    return count / 2;
 }
 
 // ---- in space
@@ -376,7 +316,7 @@ uint32_t split_spatially(uint32_t *new_count, struct part_set *parts, uint32_t f
         if (side == SIDE_LEFT)
             i++;
         else
-            swap_parts(parts, i, --end);
+            boxes_swap(parts->boxes, parts->order, i, --end);
     }
     *new_count = top - first;
     return i - first;

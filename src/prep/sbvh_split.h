@@ -1,6 +1,6 @@
 /**
  * @file
- * The ways to split a node of the SBVH (prep/sbvh.h): by objects, in space, at the median.
+ * The ways to split a node of the SBVH (prep/sbvh.h): by objects, in space.
  */
 #ifndef PREP_SBVH_SPLIT_H
 #define PREP_SBVH_SPLIT_H
@@ -43,10 +43,6 @@ struct spatial_split {
     uint32_t left_count, right_count;
 };
 
-/** Bounds parts [first, first + count) and their centers. */
-void split_bounds(struct box *bounds, struct box *centers, const struct part_set *parts,
-                  uint32_t first, uint32_t count);
-
 void split_find_object(struct object_split *out, const struct part_set *parts, uint32_t first,
                        uint32_t count, const struct box *centers);
 
@@ -56,10 +52,6 @@ void split_find_spatial(struct spatial_split *out, const struct part_set *parts,
 /** Reorders parts. Returns how many went left. */
 uint32_t split_objects(struct part_set *parts, uint32_t first, uint32_t count,
                        const struct object_split *split);
-
-/** Reorders parts about the median of the longest axis. Returns how many went left: half. */
-uint32_t split_median(struct part_set *parts, uint32_t first, uint32_t count,
-                      const struct box *centers);
 
 /**
  * Cuts parts at a plane, each as far as that is cheaper than to put it on one side whole.
