@@ -1,6 +1,6 @@
-// Stage 7, compact: the paths that go on become the next bounce's queue, in their order.
+// Stage 8, compact: the paths that go on become the next bounce's queue, in their order.
 //
-//   in    queue, hits, paths
+//   in    queue, paths
 //   out   queue_out, counters[bounce + 1].active
 //   next  trace
 //
@@ -8,22 +8,18 @@
 
 #include "lib/scan.h"
 #include "shared/path.h"
-#include "shared/ray.h"
 
-// Whether the path in a slot has a ray to trace: material has marked it, and material saw it.
-static inline uint compact_keeps(__global const struct hit *hits, __global const struct path *paths,
-                                 const uint slot)
+// Whether the path in a slot has a ray to trace.
+static inline uint compact_keeps(__global const struct path *paths, const uint slot)
 {
-    return hits[slot].triangle != HIT_NONE && (as_uint(paths[slot].radiance_flags.w) & PATH_ALIVE)
-               ? 1u
-               : 0u;
+    return (as_uint(paths[slot].throughput_bits.w) & PATH_ALIVE) ? 1u : 0u;
 }
 
 // Counts what each tile keeps.
 __kernel __attribute__((reqd_work_group_size(WG_SCAN, 1, 1))) void compact_count(
     __global const struct counters *counters, const uint bounce,
-    __global const uint *restrict queue, __global const struct hit *restrict hits,
-    __global const struct path *restrict paths, __global uint *restrict totals)
+    __global const uint *restrict queue, __global const struct path *restrict paths,
+    __global uint *restrict totals)
 {
     __local uint counts[WG_SCAN];
     const uint item = get_local_id(0);
@@ -34,7 +30,7 @@ __kernel __attribute__((reqd_work_group_size(WG_SCAN, 1, 1))) void compact_count
         const uint end = min(first + SCAN_RUN, count);
         uint kept = 0;
         for (uint i = first; i < end; i++)
-            kept += compact_keeps(hits, paths, queue[i]);
+            kept += compact_keeps(paths, queue[i]);
         counts[item] = kept;
         const uint total = scan_group(counts);
         if (item == 0)
@@ -57,9 +53,8 @@ __kernel __attribute__((reqd_work_group_size(WG_SCAN, 1, 1))) void compact_scan(
 // Writes the kept slots.
 __kernel __attribute__((reqd_work_group_size(WG_SCAN, 1, 1))) void compact_scatter(
     __global const struct counters *counters, const uint bounce,
-    __global const uint *restrict queue, __global const struct hit *restrict hits,
-    __global const struct path *restrict paths, __global const uint *restrict totals,
-    __global uint *restrict queue_out)
+    __global const uint *restrict queue, __global const struct path *restrict paths,
+    __global const uint *restrict totals, __global uint *restrict queue_out)
 {
     __local uint places[WG_SCAN];
     const uint item = get_local_id(0);
@@ -70,13 +65,13 @@ __kernel __attribute__((reqd_work_group_size(WG_SCAN, 1, 1))) void compact_scatt
         const uint end = min(first + SCAN_RUN, count);
         uint kept = 0;
         for (uint i = first; i < end; i++)
-            kept += compact_keeps(hits, paths, queue[i]);
+            kept += compact_keeps(paths, queue[i]);
         places[item] = kept;
         scan_group(places);
         uint place = totals[tile] + places[item];
         for (uint i = first; i < end; i++) {
             const uint slot = queue[i];
-            if (compact_keeps(hits, paths, slot))
+            if (compact_keeps(paths, slot))
                 queue_out[place++] = slot;
         }
         barrier(CLK_LOCAL_MEM_FENCE);

@@ -1,6 +1,6 @@
 // Stage 5, direct: light from the lights of the tree at every shaded hit, by shadow rays.
 //
-//   in    shades, queue of this bounce, lights and their tree, BVH
+//   in    rays, paths, shades, queue of this bounce, lights and their tree, BVH
 //   out   paths[slot].radiance
 //   next  directional
 //
@@ -34,7 +34,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     TRACED_PARAMETERS, __constant struct settings *settings, const struct batch batch,
     const uint bounce, __global const struct light *restrict lights,
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
-    __global const uint *restrict queue, __global const struct hit *restrict hits,
+    __global const uint *restrict queue, __global const struct ray *restrict rays,
     __global const struct shade *restrict shades, __global struct path *restrict paths,
     __global struct counters *counters, __global const uint4 *restrict points)
 {
@@ -48,25 +48,27 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
         if (i >= count)
             continue;
         const uint slot = queue[i];
-        if (hits[slot].triangle == HIT_NONE || !(shades[slot].flags & SHADE_ACTIVE))
+        const uint bits = as_uint(paths[slot].throughput_bits.w);
+        if (!(bits & PATH_SHADED))
             continue;
-        const struct bsdf b = bsdf_load(&shades[slot]);
-        const float3 p = shades[slot].org_normal.xyz;
-        const bool alone = (shades[slot].flags & SHADE_NO_BOUNCE) != 0;
+        const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
+        const float3 p = rays[slot].org.xyz;
+        const bool alone = (bits & PATH_NO_BOUNCE) != 0;
         const struct path_place place = batch_place(batch, slot);
 
         float3 sum = (float3)(0.0f); // over the shadow rays
         for (uint k = 0; k < ray_count; k++) {
             // Draw a light.
-            const uint4 bits = light_numbers(settings, points, place, bounce, k);
+            const uint4 numbers = light_numbers(settings, points, place, bounce, k);
             float expected; // times this hit takes this light, on average
-            const uint light = light_draw(&expected, settings, light_nodes, p, b.normal, k, bits.x);
+            const uint light =
+                light_draw(&expected, settings, light_nodes, p, b.normal, k, numbers.x);
             if (light == EMITTER_NONE)
                 continue;
 
             // Draw a point on it, and weigh what comes from there.
-            const struct light_sample sampled = light_sample(lights, shapes, light, &scene.surface,
-                                                             p, rng_unit(bits.y), rng_unit(bits.z));
+            const struct light_sample sampled = light_sample(
+                lights, shapes, light, &scene.surface, p, rng_unit(numbers.y), rng_unit(numbers.z));
             if (max3(sampled.radiance) <= 0.0f)
                 continue;
             float density = 0.0f; // with which a bounce finds this direction
@@ -84,7 +86,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
             sum += value / expected *
                    traverse_light(nodes, &scene, p, sampled.dir, sampled.distance * SHADOW_REACH);
         }
-        paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;
+        paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
     }
     if (traced != 0)
         atomic_add(&counters[bounce].shadow_rays, traced);

@@ -1,9 +1,9 @@
 // Stage 6, directional: light from directional lights and the environment at every shaded hit, one
 // shadow ray each.
 //
-//   in    shades, queue of this bounce, directional lights, environment, BVH
+//   in    rays, paths, shades, queue of this bounce, directional lights, environment, BVH
 //   out   paths[slot].radiance
-//   next  compact
+//   next  scatter
 //
 // Variants: those of trace; ENV_MAP: there is an environment.
 
@@ -41,7 +41,7 @@ static inline float3 directional_draw(float3 *dir, const struct bsdf *b,
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     TRACED_PARAMETERS, __constant struct settings *settings, const uint bounce,
     __global const struct directional_light *restrict lights, __global const uint *restrict queue,
-    __global const struct hit *restrict hits, __global const struct shade *restrict shades,
+    __global const struct ray *restrict rays, __global const struct shade *restrict shades,
     __global struct path *restrict paths, __global struct counters *counters
 #if ENV_MAP
     ,
@@ -62,10 +62,11 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
         if (i >= count)
             continue;
         const uint slot = queue[i];
-        if (hits[slot].triangle == HIT_NONE || !(shades[slot].flags & SHADE_ACTIVE))
+        const uint bits = as_uint(paths[slot].throughput_bits.w);
+        if (!(bits & PATH_SHADED))
             continue;
-        const struct bsdf b = bsdf_load(&shades[slot]);
-        const float3 p = shades[slot].org_normal.xyz;
+        const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
+        const float3 p = rays[slot].org.xyz;
 
         float3 sum = (float3)(0.0f); // over the lights
         for (uint k = 0; k < light_count; k++) {
@@ -79,17 +80,17 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
         }
 #if ENV_MAP
         const struct path_place place = batch_place(batch, slot);
-        const uint4 bits = samples_draw(settings, points, place.pixel, place.sample, bounce,
-                                        RNG_USE_ENVIRONMENT, 0);
+        const uint4 numbers = samples_draw(settings, points, place.pixel, place.sample, bounce,
+                                           RNG_USE_ENVIRONMENT, 0);
         float3 dir;
         const float3 value = directional_draw(&dir, &b, map, map_texels, map_alias,
-                                              (shades[slot].flags & SHADE_NO_BOUNCE) != 0, bits);
+                                              (bits & PATH_NO_BOUNCE) != 0, numbers);
         if (max3(value) > 0.0f) {
             traced++;
             sum += value * traverse_light(nodes, &scene, p, dir, FLT_MAX);
         }
 #endif
-        paths[slot].radiance_flags.xyz += shades[slot].throughput_f.xyz * sum;
+        paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
     }
     if (traced != 0)
         atomic_add(&counters[bounce].directional_rays, traced);

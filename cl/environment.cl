@@ -27,12 +27,13 @@ __kernel __attribute__((reqd_work_group_size(WG_ENVIRONMENT, 1, 1))) void enviro
         const uint slot = queue[i];
         if (hits[slot].triangle != HIT_NONE)
             continue;
-        const float2 place = environment_place(map, rays[slot].dir_tmax.xyz);
+        const float4 dir = rays[slot].dir;
+        const float2 place = environment_place(map, dir.xyz);
         const float3 radiance = environment_radiance(map, texels, place);
-        const float4 throughput_pdf = paths[slot].throughput_pdf;
+        const float4 throughput_bits = paths[slot].throughput_bits;
         float weight = 1.0f; // against light samples, unless none could have met this ray
-        if (!(as_uint(paths[slot].radiance_flags.w) & PATH_SPECULAR))
-            weight = mis_weight(throughput_pdf.w, environment_density(map, texels, place));
-        paths[slot].radiance_flags.xyz += throughput_pdf.xyz * radiance * weight;
+        if (!(as_uint(throughput_bits.w) & PATH_SPECULAR))
+            weight = mis_weight(dir.w, environment_density(map, texels, place));
+        paths[slot].radiance_normal.xyz += throughput_bits.xyz * radiance * weight;
     }
 }

@@ -1,4 +1,4 @@
-// Stage 8, film: adds the finished paths of a batch to the pixels.
+// Stage 9, film: adds the finished paths of a batch to the pixels.
 //
 //   in    paths
 //   out   film[place in Z-order]
@@ -33,7 +33,7 @@ __kernel __attribute__((reqd_work_group_size(WG_FILM, 1, 1))) void film(
     for (uint begin = item * run; begin < batch.count + cut; begin += batch.pixel_count * run) {
         const uint end = min(begin + run, batch.count + cut);
         for (uint i = max(begin, cut); i < end; i++) {
-            const float3 radiance = paths[i - cut].radiance_flags.xyz;
+            const float3 radiance = paths[i - cut].radiance_normal.xyz;
             const float light = luminance(radiance);
             const float4 value = (float4)(radiance, light * light) - carry;
             const float4 next = sum + value;

@@ -1,8 +1,8 @@
-// Stage 4, material: what was hit. Adds emission, fetches colours, writes the hit for the lighting
-// stages, and picks the next direction.
+// Stage 4, material: what was hit. Adds emission, fetches colours, and writes the hit for the
+// stages that light it and go on from it.
 //
 //   in    hits, paths, rays; with TEXTURES_BOUND: order and ranges of sort, one launch a material
-//   out   shades, paths, rays
+//   out   shades, in place of hits; paths, rays
 //   next  direct
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
@@ -24,8 +24,6 @@
 #ifndef WG_MATERIAL
 #define WG_MATERIAL 64 // work items in a group
 #endif
-
-#define ROULETTE_DEPTH 2u // bounces before Russian roulette may end a path (thesis section 3.5)
 
 // Reads the two workflows into BSDF parameters.
 static inline void material_bsdf(struct bsdf *b, __global const struct material *material,
@@ -58,23 +56,19 @@ static inline void material_bsdf(struct bsdf *b, __global const struct material 
         b->dielectric_f90 = strength;
     }
 
-    const float roughness = 1.0f - glossiness;
-#if BRDF_PHONG
-    // The exponent whose lobe is as wide as GGX's of the same roughness; a mirror at its end.
-    const float alpha2 = max2(roughness * roughness * roughness * roughness, 1e-12f);
-    b->mirror = glossiness >= 1.0f;
-    b->alpha = max2(2.0f / alpha2 - 2.0f, 0.0f);
-    b->f90 = 0.0f;
-#else
+    b->alpha = bsdf_alpha(1.0f - glossiness);
     b->mirror = false;
-    b->alpha = max2(roughness * roughness, MATERIAL_SMOOTH);
+#if BRDF_PHONG
+    b->mirror = glossiness >= 1.0f;
+    b->f90 = 0.0f;
 #endif
 }
 
-// Makes the BSDF of the first hit that measures irradiance: f = 1, so that what leaves is E.
+// Makes the BSDF of the first hit that measures irradiance: f = 1 / pi, so that pi times what
+// leaves is E.
 static inline void material_measure_irradiance(struct bsdf *b)
 {
-    b->diffuse = (float3)(PI);
+    b->diffuse = (float3)(1.0f);
     b->f0 = (float3)(0.0f);
     b->f90 = 0.0f;
     b->dielectric_f0 = 0.0f;
@@ -102,9 +96,10 @@ static inline float material_number(__constant struct settings *settings,
 #define WARM_TRIANGLES 24u
 
 // Asks for what later hits of the queue will read: of Sponza's bounces it saves a third of this
-// kernel's time.
-static inline void material_warm(const uint i, const uint end, __global const uint *order,
-                                 __global const struct hit *hits,
+// kernel's time. Where another thread has shaded them, their places hold no triangles any more, and
+// what is asked for is of no use.
+static inline void material_warm(const uint i, const uint end, const uint triangle_count,
+                                 __global const uint *order, __global const struct hit *hits,
                                  __global const struct triangle *triangles,
                                  __global const struct vertex *vertices,
                                  __global const struct material *materials,
@@ -113,11 +108,11 @@ static inline void material_warm(const uint i, const uint end, __global const ui
     if (i + WARM_TRIANGLES >= end)
         return;
     const uint far = hits[order[i + WARM_TRIANGLES]].triangle;
-    if (far != HIT_NONE)
+    if (far < triangle_count)
         PREFETCH(&triangles[far]);
 
     const uint middle = hits[order[i + WARM_VERTICES]].triangle;
-    if (middle != HIT_NONE) {
+    if (middle < triangle_count) {
         const struct triangle tri = triangles[middle];
         PREFETCH(&vertices[tri.v0]);
         PREFETCH(&vertices[tri.v1]);
@@ -125,7 +120,7 @@ static inline void material_warm(const uint i, const uint end, __global const ui
     }
 
     const struct hit near = hits[order[i + WARM_TEXELS]];
-    if (near.triangle != HIT_NONE) {
+    if (near.triangle < triangle_count) {
         const struct triangle tri = triangles[near.triangle];
         texture_warm(texels, &materials[tri.material].textures[TEXTURE_BASE],
                      surface_blend(vertices[tri.v0].uv, vertices[tri.v1].uv, vertices[tri.v2].uv,
@@ -138,14 +133,14 @@ static inline void material_warm(const uint i, const uint end, __global const ui
 __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __constant struct settings *settings, const struct batch batch, const uint bounce,
     __global const struct counters *counters, __global const uint *restrict order,
-    __global const struct hit *restrict hits, __global const struct vertex *restrict vertices,
+    __global const struct hit *hits, __global const struct vertex *restrict vertices,
     __global const uint2 *restrict colors, __global const struct triangle *restrict triangles,
     __global const struct material *restrict materials,
     __global const uint *restrict triangle_emitters, __global const struct light *restrict lights,
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
     __global struct ray *restrict rays, __global struct path *restrict paths,
-    __global struct shade *restrict shades, __global const uint4 *restrict points,
+    __global struct shade *shades, __global const uint4 *restrict points,
 #if NORMAL_MAPS
     __global const uint *restrict tangents,
 #endif
@@ -186,21 +181,23 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #endif
     for (uint i = first + get_global_id(0); i < end; i += get_global_size(0)) {
 #if PREFETCHES && !TEXTURES_BOUND
-        material_warm(i, end, order, hits, triangles, vertices, materials, texels);
+        material_warm(i, end, settings->triangle_count, order, hits, triangles, vertices, materials,
+                      texels);
 #endif
         const uint slot = order[i];
         const struct hit hit = hits[slot];
-        if (hit.triangle == HIT_NONE)
+        if (hit.triangle == HIT_NONE) {
+            paths[slot].throughput_bits.w = as_float(0u);
             continue;
+        }
         const struct triangle tri = triangles[hit.triangle];
         __global const struct material *material = &materials[tri.material];
         const uint flags = material->flags;
-        const float3 org = rays[slot].org_tmin.xyz;
-        const float3 dir = rays[slot].dir_tmax.xyz;
-        float3 throughput = paths[slot].throughput_pdf.xyz;
-        const float density = paths[slot].throughput_pdf.w;
-        float3 radiance = paths[slot].radiance_flags.xyz;
-        const uint path_flags = as_uint(paths[slot].radiance_flags.w);
+        const float3 org = rays[slot].org.xyz;
+        const float3 dir = rays[slot].dir.xyz;
+        float3 throughput = paths[slot].throughput_bits.xyz;
+        float3 radiance = paths[slot].radiance_normal.xyz;
+        const uint path_flags = as_uint(paths[slot].throughput_bits.w);
         const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
 
         // Find the point, its normals and its texture coordinates.
@@ -279,17 +276,16 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
                 const uint kind = as_uint(lights[emitter].color_kind.w);
                 const float area = shapes[kind >> LIGHT_SHAPE_SHIFT].edge_u.w;
                 const float cosine = fabs(dot(geometric, dir));
-                const float3 before = normalize(oct_unpack(shades[slot].normal).xyz);
+                const float3 before =
+                    normalize(oct_unpack(as_uint(paths[slot].radiance_normal.w)).xyz);
                 const float count = light_expected_count(settings, light_nodes, light_parents,
                                                          light_leaves, org, before, emitter);
-                weight = mis_weight(density, count * hit.t * hit.t / (area * cosine));
+                weight = mis_weight(rays[slot].dir.w, count * hit.t * hit.t / (area * cosine));
             }
             radiance += throughput * emission * weight;
         }
 
         // An unlit surface shows its colour and ends the path.
-        uint next_flags = 0;
-        uint shade_flags = 0;
         const bool unlit = (flags & MATERIAL_UNLIT) && !measures;
         if (unlit && !(path_flags & PATH_COLLECT))
             radiance += throughput * material->base.xyz * values.base.xyz * color.xyz;
@@ -327,48 +323,25 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             material_bsdf(&b, material, &values, color);
             if (luminance(b.f0) > luminance(b.diffuse))
                 b.normal = bsdf_bend_normal(&b);
-            if (measures)
+            if (measures) {
                 material_measure_irradiance(&b);
+                throughput *= PI;
+            }
 #if LAYERS
             else if (flags & MATERIAL_LAYERED)
                 throughput *= layer_choose(&b, material, &values, color, smooth_normal, coat_normal,
                                            material_number(settings, points, batch, slot, bounce));
 #endif
-            const float3 start = surface_offset(p, b.geometric);
 
-            // Pick the next direction; past the last shaded hit only to collect emission that
-            // light samples cannot find as well.
+            // Past the last shaded hit a ray goes on only to collect emission that light samples
+            // cannot find as well.
             const bool last = bounce + 1 == settings->depth;
             const bool bounces = !last || (settings->emitter_count != 0 && !bsdf_is_lambert(&b));
-            shade_flags = SHADE_ACTIVE | (bounces ? 0u : SHADE_NO_BOUNCE);
-            bsdf_store(&shades[slot], &b, start, throughput, shade_flags);
-            if (bounces) {
-                const struct path_place place = batch_place(batch, slot);
-                const uint4 bits = samples_draw(settings, points, place.pixel, place.sample, bounce,
-                                                RNG_USE_BSDF, 0);
-                const struct bsdf_sample sampled =
-                    bsdf_sample(&b, (float3)(rng_unit(bits.x), rng_unit(bits.y), rng_unit(bits.z)));
-                throughput *= sampled.weight;
-
-                // Russian roulette by what is left of the path's weight.
-                float survival = 1.0f;
-                if (bounce >= ROULETTE_DEPTH) {
-                    survival = max3(throughput);
-                    if (settings->quantity == QUANTITY_IRRADIANCE)
-                        survival *= INV_PI;
-                    survival = min2(survival, 1.0f);
-                }
-                if (max3(throughput) > 0.0f && rng_unit(bits.w) < survival) {
-                    next_flags = PATH_ALIVE | (sampled.specular ? PATH_SPECULAR : 0u) |
-                                 (last ? PATH_COLLECT : 0u);
-                    paths[slot].throughput_pdf = (float4)(throughput / survival, sampled.density);
-                    rays[slot].org_tmin = (float4)(start, 0.0f);
-                    rays[slot].dir_tmax = (float4)(sampled.dir, FLT_MAX);
-                }
-            }
+            bsdf_store(&rays[slot], &paths[slot], &shades[slot], &b, surface_offset(p, b.geometric),
+                       throughput, radiance, PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE));
         } else {
-            shades[slot].flags = 0;
+            paths[slot].throughput_bits.w = as_float(0u);
+            paths[slot].radiance_normal.xyz = radiance;
         }
-        paths[slot].radiance_flags = (float4)(radiance, as_float(next_flags));
     }
 }

@@ -52,11 +52,11 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
     const bool orthographic = camera->orthographic != 0;
     const float3 org = camera->org.xyz + (orthographic ? point : (float3)(0.0f));
     const float3 dir = orthographic ? camera->forward.xyz : normalize(point);
-    rays[slot].org_tmin = (float4)(org, 0.0f);
-    rays[slot].dir_tmax = (float4)(dir, FLT_MAX);
+    rays[slot].org = (float4)(org, 0.0f);
+    rays[slot].dir = (float4)(dir, FLT_MAX);
 
     // Start the path.
-    paths[slot].throughput_pdf = (float4)(1.0f, 1.0f, 1.0f, 0.0f);
-    paths[slot].radiance_flags = (float4)(0.0f, 0.0f, 0.0f, as_float(PATH_ALIVE | PATH_SPECULAR));
+    paths[slot].throughput_bits = (float4)(1.0f, 1.0f, 1.0f, as_float(PATH_ALIVE | PATH_SPECULAR));
+    paths[slot].radiance_normal = (float4)(0.0f);
     queue[slot] = slot;
 }

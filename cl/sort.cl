@@ -1,8 +1,8 @@
 // Stage 3, sort: the queue's slots in the order of the materials they hit, misses last.
 //
 //   in    queue, hits
-//   out   order, ranges: material m has order[ranges[m] .. ranges[m + 1])
-//   next  material
+//   out   order, ranges: material m has order[ranges[m] .. ranges[m + 1]); flags of paths that
+//   missed next  material
 //
 // A least-significant-digit radix sort (thesis section 3.3), SORT_BITS a round; each round is
 // count, scan, scatter. It is stable, so that the Z-order of the queue lives on within a material.
@@ -16,17 +16,20 @@
 #define SORT_BITS   4u
 #define SORT_DIGITS 16u
 
-// Reads the keys: the material of each slot's hit, material_count for a miss.
+// Reads the keys: the material of each slot's hit, material_count for a miss, whose path ends: no
+// launch of material sees it.
 __kernel __attribute__((reqd_work_group_size(WG_SCAN, 1, 1))) void sort_keys(
     __global const struct counters *counters, const uint bounce,
     __global const uint *restrict queue, __global const struct hit *restrict hits,
     __global const struct triangle *restrict triangles, const uint material_count,
-    __global uint *restrict keys, __global uint *restrict slots)
+    __global uint *restrict keys, __global uint *restrict slots, __global struct path *paths)
 {
     const uint count = counters[bounce].active;
     for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
         const uint slot = queue[i];
         const uint triangle = hits[slot].triangle;
+        if (triangle == HIT_NONE)
+            paths[slot].throughput_bits.w = as_float(0u);
         keys[i] = triangle == HIT_NONE ? material_count : triangles[triangle].material;
         slots[i] = slot;
     }

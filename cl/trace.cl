@@ -5,8 +5,9 @@
 //   next  sort
 //
 // Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
-// NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials whether they let a ray by,
-// LAYERS also those that are thin and smooth; ANY_HIT: whether there is
+// RAY_SPANS: rays carry how near and how far they look, else
+// they look ahead without end; NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials
+// whether they let a ray by, LAYERS also those that are thin and smooth; ANY_HIT: whether there is
 // a hit, of any triangle: hits[slot].triangle is 0 or HIT_NONE.
 
 #include "lib/queue.h"
@@ -37,24 +38,28 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
         if (i >= count)
             continue;
         const uint slot = queue[i];
-        const float4 org_tmin = rays[slot].org_tmin;
-        const float4 dir_tmax = rays[slot].dir_tmax;
+        const float3 org = rays[slot].org.xyz;
+        const float3 dir = rays[slot].dir.xyz;
+#if RAY_SPANS
+        const float tmin = rays[slot].org.w;
+        const float tmax = rays[slot].dir.w;
+#else
+        const float tmin = 0.0f;
+        const float tmax = FLT_MAX;
+#endif
 #if ALPHA && LAYERS
         struct passage passage;
         passage_init(&passage);
-        const struct hit hit =
-            traverse_through(nodes, &scene, org_tmin.xyz, dir_tmax.xyz, org_tmin.w, dir_tmax.w,
-                             TRACE_ANY, &passage, PASSAGE_CHANCE);
+        const struct hit hit = traverse_through(nodes, &scene, org, dir, tmin, tmax, TRACE_ANY,
+                                                &passage, PASSAGE_CHANCE);
         hits[slot] = hit;
         if (passage.tinted) {
             // What was tested beyond the hit has no part in it.
-            traverse_through(nodes, &scene, org_tmin.xyz, dir_tmax.xyz, org_tmin.w, hit.t, false,
-                             &passage, PASSAGE_TINT);
-            paths[slot].throughput_pdf.xyz *= passage.share;
+            traverse_through(nodes, &scene, org, dir, tmin, hit.t, false, &passage, PASSAGE_TINT);
+            paths[slot].throughput_bits.xyz *= passage.share;
         }
 #else
-        struct hit hit =
-            traverse(nodes, &scene, org_tmin.xyz, dir_tmax.xyz, org_tmin.w, dir_tmax.w, TRACE_ANY);
+        struct hit hit = traverse(nodes, &scene, org, dir, tmin, tmax, TRACE_ANY);
         if (TRACE_ANY) // which one was not asked, and is a read less
             hit.triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
         hits[slot] = hit;

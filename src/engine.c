@@ -220,7 +220,7 @@ static enum status plan_memory(struct lk_render_info *info, const struct lk_scen
     const bool bound = settings->textures == LK_TEXTURES_BOUND;
     const struct settings told = kernel_settings(settings);
     uint64_t capacity = queue_capacity(settings, &r->camera, settings->queue);
-    const uint64_t longest = r->gpu.info.max_allocation / sizeof(struct shade);
+    const uint64_t longest = r->gpu.info.max_allocation / sizeof(struct ray);
     if (capacity > longest)
         capacity = longest;
     describe_scene(&info->scene, scene, &r->camera, &told, capacity, bound);
@@ -266,6 +266,7 @@ static enum status set_up(struct renderer *r, struct lk_render_info *info,
     r->settings.light_count = r->scene.light_count;
     r->settings.directional_count = r->scene.directional_count;
     r->settings.material_count = r->scene.material_count;
+    r->settings.triangle_count = scene->prepared.geometry.triangle_count;
     r->settings.emitter_count = r->scene.emitter_count;
     status = create_wavefront(r, settings);
     info->time_s.upload = clock_seconds() - start;

@@ -116,6 +116,7 @@ static enum status set_up(struct lk_tracer *t, struct lk_scene *scene)
     struct program_options options = settings_program_options(s);
     uint32_t built = 0;
     t->persistent = options.persistent;
+    options.ray_spans = true;
     uint4 *points = NULL; // random: point_shift is 0
     enum status status = samples_build(&points, s->seed, BOUNCES, settings.point_shift);
     if (status == STATUS_OK)

@@ -19,8 +19,10 @@
 
 #include "lib/math.h"
 #include "lib/sheen.h"
+#include "shared/material.h"
 #include "shared/oct.h"
 #include "shared/path.h"
+#include "shared/ray.h"
 
 // Parameters at one hit.
 struct bsdf {
@@ -289,36 +291,90 @@ static inline struct bsdf_sample bsdf_sample(const struct bsdf *b, const float3 
     return out;
 }
 
-// Reads back what material wrote of a hit.
-static inline struct bsdf bsdf_load(__global const struct shade *shade)
+// Microfacet alpha of a roughness; with BRDF_PHONG the exponent whose lobe is as wide as GGX's.
+static inline float bsdf_alpha(const float roughness)
 {
-    struct bsdf b;
-    b.normal = normalize(oct_unpack(shade->normal).xyz);
-    b.geometric = normalize(oct_unpack(as_uint(shade->org_normal.w)).xyz);
-    b.view = normalize(oct_unpack(shade->view).xyz);
-    b.diffuse = shade->diffuse_alpha.xyz;
-    b.alpha = shade->diffuse_alpha.w;
-    b.f0 = shade->f0_f90.xyz;
-    b.f90 = shade->f0_f90.w;
-    b.dielectric_f0 = shade->throughput_f.w;
-    b.dielectric_f90 = shade->dielectric_f90;
-    b.mirror = (shade->flags & SHADE_MIRROR) != 0;
-    return b;
+#if BRDF_PHONG
+    const float alpha2 = max2(roughness * roughness * roughness * roughness, 1e-12f);
+    return max2(2.0f / alpha2 - 2.0f, 0.0f);
+#else
+    return max2(roughness * roughness, MATERIAL_SMOOTH);
+#endif
 }
 
-// Writes a hit for the lighting stages.
-static inline void bsdf_store(__global struct shade *shade, const struct bsdf *b, const float3 org,
-                              const float3 throughput, const uint flags)
+// The roughness that an alpha stands for.
+static inline float bsdf_roughness(const float alpha)
 {
-    shade->org_normal =
-        (float4)(org, as_float(oct_pack(b->geometric.x, b->geometric.y, b->geometric.z)));
-    shade->diffuse_alpha = (float4)(b->diffuse, b->alpha);
-    shade->f0_f90 = (float4)(b->f0, b->f90);
-    shade->throughput_f = (float4)(throughput, b->dielectric_f0);
-    shade->normal = oct_pack(b->normal.x, b->normal.y, b->normal.z);
-    shade->view = oct_pack(b->view.x, b->view.y, b->view.z);
-    shade->dielectric_f90 = b->dielectric_f90;
-    shade->flags = flags | (b->mirror ? SHADE_MIRROR : 0u);
+    if (alpha < 0.0f)
+        return -alpha; // a sheen's own
+#if BRDF_PHONG
+    return sqrt(sqrt(2.0f / (alpha + 2.0f)));
+#else
+    return sqrt(alpha);
+#endif
+}
+
+// Four shares of one to 65535ths and back.
+static inline uint2 bsdf_pack_shares(const float4 shares)
+{
+    const float4 scaled = clamp(shares, 0.0f, 1.0f) * 65535.0f + 0.5f;
+    return (uint2)((uint)scaled.x | ((uint)scaled.y << 16),
+                   (uint)scaled.z | ((uint)scaled.w << 16));
+}
+
+static inline float4 bsdf_unpack_shares(const uint2 packed)
+{
+    return (float4)((float)(packed.x & 0xffffu), (float)(packed.x >> 16),
+                    (float)(packed.y & 0xffffu), (float)(packed.y >> 16)) /
+           65535.0f;
+}
+
+// Writes a hit for the stages that light it and go on from it.
+//
+//   org         where rays leave it
+//   throughput  rgb weight of what it sends to the viewer
+//   radiance    rgb collected so far
+//   flags       PATH_... but for those of the lobes
+static inline void bsdf_store(__global struct ray *ray, __global struct path *path,
+                              __global struct shade *shade, const struct bsdf *b, const float3 org,
+                              const float3 throughput, const float3 radiance, uint flags)
+{
+    flags |= (b->mirror ? PATH_MIRROR : 0u) | (b->alpha < 0.0f ? PATH_SHEEN : 0u);
+    flags |= (uint)(clamp(b->dielectric_f90, 0.0f, 1.0f) * 255.0f + 0.5f) << PATH_F90_SHIFT;
+    flags |= (uint)(clamp(bsdf_roughness(b->alpha), 0.0f, 1.0f) * 65535.0f + 0.5f)
+             << PATH_ROUGHNESS_SHIFT;
+    ray->org = (float4)(org, as_float(oct_pack(b->geometric.x, b->geometric.y, b->geometric.z)));
+#if LAYERS
+    ray->dir.xyz = -b->view; // some turn to the other side
+#endif
+    path->throughput_bits = (float4)(throughput, as_float(flags));
+    path->radiance_normal =
+        (float4)(radiance, as_float(oct_pack(b->normal.x, b->normal.y, b->normal.z)));
+    shade->diffuse_f0 = bsdf_pack_shares((float4)(b->diffuse, b->dielectric_f0));
+    shade->specular_f90 = bsdf_pack_shares((float4)(b->f0, b->f90));
+}
+
+// Reads back what bsdf_store() wrote of the BSDF.
+static inline struct bsdf bsdf_load(__global const struct ray *ray,
+                                    __global const struct path *path,
+                                    __global const struct shade *shade)
+{
+    const uint bits = as_uint(path->throughput_bits.w);
+    const float4 diffuse_f0 = bsdf_unpack_shares(shade->diffuse_f0);
+    const float4 specular_f90 = bsdf_unpack_shares(shade->specular_f90);
+    const float roughness = (float)(bits >> PATH_ROUGHNESS_SHIFT) / 65535.0f;
+    struct bsdf b;
+    b.normal = normalize(oct_unpack(as_uint(path->radiance_normal.w)).xyz);
+    b.geometric = normalize(oct_unpack(as_uint(ray->org.w)).xyz);
+    b.view = -ray->dir.xyz;
+    b.diffuse = diffuse_f0.xyz;
+    b.dielectric_f0 = diffuse_f0.w;
+    b.f0 = specular_f90.xyz;
+    b.f90 = specular_f90.w;
+    b.dielectric_f90 = (float)((bits >> PATH_F90_SHIFT) & 0xffu) / 255.0f;
+    b.alpha = (bits & PATH_SHEEN) ? -roughness : bsdf_alpha(roughness);
+    b.mirror = (bits & PATH_MIRROR) != 0;
+    return b;
 }
 
 #endif

@@ -21,17 +21,6 @@
 
 #define LAYER_LEAST 0.25f // probability of taking a clearcoat, where there is any, at least
 
-// Microfacet alpha of a roughness; with BRDF_PHONG the exponent whose lobe is as wide.
-static inline float layer_alpha(const float roughness)
-{
-#if BRDF_PHONG
-    const float alpha2 = max2(roughness * roughness * roughness * roughness, 1e-12f);
-    return max2(2.0f / alpha2 - 2.0f, 0.0f);
-#else
-    return max2(roughness * roughness, MATERIAL_SMOOTH);
-#endif
-}
-
 // Takes all lobes off.
 static inline void layer_clear(struct bsdf *b)
 {
@@ -144,7 +133,7 @@ static inline float3 layer_choose(struct bsdf *b, __global const struct material
             layer_clear(b);
             b->normal = coat_normal;
             b->normal = bsdf_bend_normal(b);
-            b->alpha = layer_alpha(material->coat_roughness * values->coat_roughness.y);
+            b->alpha = bsdf_alpha(material->coat_roughness * values->coat_roughness.y);
             b->f0 = (float3)(1.0f);
 #if !BRDF_PHONG
             b->f90 = 1.0f;

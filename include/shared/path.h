@@ -39,36 +39,36 @@ static inline struct path_place batch_place(const struct batch batch, const uint
     return place;
 }
 
-// Flags of a path, the low bits of path.radiance_flags.w.
-#define PATH_ALIVE    1u // has a ray to trace
-#define PATH_SPECULAR 2u // no light sample could have met this ray: count emission in full
-#define PATH_COLLECT  4u // past the last shaded hit: the ray only collects emission
+// Flags of a path, the low bits of path.throughput_bits.w. Raygen and scatter write the first
+// three, for the ray; material the others, for the hit.
+#define PATH_ALIVE     1u  // has a ray to trace
+#define PATH_SPECULAR  2u  // no light sample could have met this ray: count emission in full
+#define PATH_COLLECT   4u  // past the last shaded hit: the ray only collects emission
+#define PATH_SHADED    8u  // there is a surface to light
+#define PATH_NO_BOUNCE 16u // no ray follows that could meet a light: light samples count in full
+#define PATH_MIRROR    32u // the specular lobe is a perfect mirror, out of reach of light samples
+#define PATH_SHEEN     64u // the specular lobe is a sheen
 
-// What a path carries from bounce to bounce.
+// Above the flags: the dielectric's reflectance at grazing incidence, in 255ths, and the roughness
+// of the specular lobe, in 65535ths.
+#define PATH_F90_SHIFT       8
+#define PATH_ROUGHNESS_SHIFT 16
+
+// What a path carries from bounce to bounce, and of its shaded hit what finds room: with its ray
+// and its hit 80 bytes.
 struct path {
-    float4 throughput_pdf; // rgb weight of what arrives; w solid-angle density of the ray's
-                           // direction, 1/sr
-    float4 radiance_flags; // rgb collected so far; w bits: PATH_...
+    float4 throughput_bits; // rgb weight of what arrives; w bits: flags and the surface's, as above
+    float4 radiance_normal; // rgb collected so far; w bits of the shading normal at the hit that is
+                            // or was shaded last, viewer's side, oct_pack()
 };
 SHARED_SIZE(path, 32);
 
-// Flags of a shaded hit, shade.flags.
-#define SHADE_ACTIVE    1u // there is a surface to light
-#define SHADE_NO_BOUNCE 2u // no ray follows that could meet a light: light samples count in full
-#define SHADE_MIRROR    4u // the specular lobe is a perfect mirror, out of reach of light samples
-
-// One shaded hit: written by material, read by direct and directional.
+// The colours of a shaded hit, in 65535ths. Material writes them where the hit was.
 struct shade {
-    float4 org_normal; // xyz where rays leave the surface, m; w bits of its normal, viewer's side
-    float4 diffuse_alpha; // rgb diffuse colour; w microfacet alpha, or Phong exponent
-    float4 f0_f90;        // rgb specular colour at normal incidence; w at grazing incidence
-    float4 throughput_f; // rgb weight of the path so far; w dielectric reflectance (largest of rgb)
-    uint normal;         // bits of the shading normal, oct_pack()
-    uint view;           // bits of the direction to the viewer, oct_pack()
-    float dielectric_f90; // the dielectric's reflectance at grazing incidence
-    uint flags;           // SHADE_...
+    uint2 diffuse_f0;   // rgb diffuse; w the dielectric's reflectance at normal incidence
+    uint2 specular_f90; // rgb specular at normal incidence; w at grazing incidence
 };
-SHARED_SIZE(shade, 80);
+SHARED_SIZE(shade, 16);
 
 // One set for each bounce. Stages read their counts here, so the host never waits inside a batch.
 struct counters {

@@ -9,10 +9,14 @@
 
 #define HIT_NONE 0xffffffffu // hit.triangle of a ray that left the scene
 
-// One ray in flight, world space. Two rows, so a kernel reads it in two loads.
+// One ray, world space. Two rows, so a kernel reads it in two loads. A ray with a span meets what
+// lies between w and w. Those of paths meet what lies ahead, and carry there what is the path's:
+//   org.w  bits of the geometric normal where it starts, viewer's side, oct_pack(); from material
+//   dir.w  density with which this direction was chosen, 1/sr; from scatter
+// While a hit is shaded, org is where rays leave it, and dir comes from the viewer.
 struct ray {
-    float4 org_tmin; // xyz origin, m; w nearest hit accepted, m
-    float4 dir_tmax; // xyz unit direction; w farthest hit accepted, m
+    float4 org; // xyz origin, m; w nearest hit accepted, m
+    float4 dir; // xyz unit direction; w farthest hit accepted, m
 };
 SHARED_SIZE(ray, 32);
 

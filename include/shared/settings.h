@@ -25,7 +25,8 @@ struct settings {
     uint material_count;
     uint emitter_count; // lights that a ray can meet: triangles, and the environment
     uint point_shift;   // log2 of the points of a block (lib/samples.h)
-    uint pad0, pad1, pad2;
+    uint triangle_count;
+    uint pad0, pad1;
 };
 SHARED_SIZE(settings, 48);
 

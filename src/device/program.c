@@ -40,6 +40,7 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     if (chosen->warp_votes)
         add_define(options, text, "WARP_VOTES", 1);
     add_define(options, text, "NODES_IMAGE", chosen->nodes_image);
+    add_define(options, text, "RAY_SPANS", chosen->ray_spans);
     add_define(options, text, "ANY_HIT", chosen->any_hit);
     add_define(options, text, "ALPHA", chosen->alpha);
     add_define(options, text, "TEXTURES_BOUND", chosen->textures_bound);

@@ -25,6 +25,7 @@ struct program_options {
     bool bvh_wide;       // the 8-wide BVH instead of the binary one
     bool warp_votes;     // trace, direct, directional: lanes of a warp vote (lib/warp.h)
     bool nodes_image;    // binary BVH's nodes through a 1D texture
+    bool ray_spans;      // trace: rays carry how near and how far they look
     bool any_hit;        // trace: some hit instead of the nearest
     bool alpha;          // the scene has materials that let rays by
     bool textures_bound; // material: one launch a material, its textures as images

@@ -24,7 +24,7 @@ enum status compact_enqueue(const struct compact *compact, const struct stage_co
     const struct buffer *next = &w->queue[(context->bounce + 1) & 1];
     const struct kernel_arg count[] = {
         ARG_BUFFER(&w->counters), ARG_VALUE(context->bounce), ARG_BUFFER(queue),
-        ARG_BUFFER(&w->hits),     ARG_BUFFER(&w->paths),      ARG_BUFFER(&w->totals),
+        ARG_BUFFER(&w->paths),    ARG_BUFFER(&w->totals),
     };
     const struct kernel_arg scan[] = {
         ARG_BUFFER(&w->counters),
@@ -33,15 +33,14 @@ enum status compact_enqueue(const struct compact *compact, const struct stage_co
     };
     const struct kernel_arg scatter[] = {
         ARG_BUFFER(&w->counters), ARG_VALUE(context->bounce), ARG_BUFFER(queue),
-        ARG_BUFFER(&w->hits),     ARG_BUFFER(&w->paths),      ARG_BUFFER(&w->totals),
-        ARG_BUFFER(next),
+        ARG_BUFFER(&w->paths),    ARG_BUFFER(&w->totals),     ARG_BUFFER(next),
     };
-    enum status status = kernel_enqueue(context->gpu, &compact->count, count, 6,
+    enum status status = kernel_enqueue(context->gpu, &compact->count, count, 5,
                                         stage_loop_items(context, &compact->count));
     if (status == STATUS_OK)
         status = kernel_enqueue(context->gpu, &compact->scan, scan, 3, 1);
     if (status == STATUS_OK)
-        status = kernel_enqueue(context->gpu, &compact->scatter, scatter, 7,
+        status = kernel_enqueue(context->gpu, &compact->scatter, scatter, 6,
                                 stage_loop_items(context, &compact->scatter));
     return status;
 }

@@ -64,7 +64,7 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&scene->light_leaves),
         ARG_BUFFER(&w->rays),
         ARG_BUFFER(&w->paths),
-        ARG_BUFFER(&w->shades),
+        ARG_BUFFER(&w->hits),
         ARG_BUFFER(&w->points),
     };
     size_t shared_count = 20; // arguments that every variant takes

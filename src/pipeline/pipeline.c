@@ -19,6 +19,7 @@ enum stage {
     MATERIAL,
     DIRECT,
     DIRECTIONAL,
+    SCATTER,
     COMPACT,
     STAGE_COUNT
 };
@@ -58,6 +59,8 @@ static enum status build_stage(struct pipeline *p, enum stage stage, const struc
         return direct_build(&p->direct, gpu, &p->options, built);
     case DIRECTIONAL:
         return directional_build(&p->directional, gpu, &p->options, built);
+    case SCATTER:
+        return scatter_build(&p->scatter, gpu, &p->options, built);
     default:
         return compact_build(&p->compact, gpu, &p->options, built);
     }
@@ -107,7 +110,11 @@ static enum status enqueue_bounce(const struct pipeline *p, const struct stage_c
         status = direct_enqueue(&p->direct, context);
     if (status == STATUS_OK && shades && has_far_lights(context->scene))
         status = directional_enqueue(&p->directional, context);
-    if (status == STATUS_OK && context->bounce + 1 < bounces)
+    if (context->bounce + 1 == bounces)
+        return status;
+    if (status == STATUS_OK)
+        status = scatter_enqueue(&p->scatter, context);
+    if (status == STATUS_OK)
         status = compact_enqueue(&p->compact, context);
     return status;
 }
@@ -136,6 +143,7 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
 void pipeline_free(struct pipeline *pipeline)
 {
     compact_free(&pipeline->compact);
+    scatter_free(&pipeline->scatter);
     directional_free(&pipeline->directional);
     direct_free(&pipeline->direct);
     material_free(&pipeline->material);

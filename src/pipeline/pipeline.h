@@ -19,6 +19,7 @@ struct pipeline {
     struct material_stage material;
     struct direct direct;           // unused without lights in the tree
     struct directional directional; // unused without directional lights or an environment
+    struct scatter scatter;
     struct compact compact;
     struct program_options options;
     uint32_t built; // programs compiled from source

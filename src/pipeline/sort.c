@@ -74,9 +74,10 @@ enum status sort_enqueue(const struct sort *sort, const struct stage_context *co
         ARG_VALUE(material_count),
         ARG_BUFFER(&w->keys[side]),
         ARG_BUFFER(&w->slots[side]),
+        ARG_BUFFER(&w->paths),
     };
     enum status status =
-        kernel_enqueue(context->gpu, &sort->keys, keys, 8, stage_loop_items(context, &sort->keys));
+        kernel_enqueue(context->gpu, &sort->keys, keys, 9, stage_loop_items(context, &sort->keys));
     for (uint32_t round = 0; round < rounds && status == STATUS_OK; round++) {
         status = enqueue_round(sort, context, round * SORT_BITS, side);
         side = 1 - side;

@@ -113,6 +113,15 @@ enum status directional_enqueue(const struct directional *directional,
                                 const struct stage_context *context);
 void directional_free(struct directional *directional);
 
+struct scatter {
+    struct kernel kernel;
+};
+
+enum status scatter_build(struct scatter *out, const struct gpu *gpu,
+                          const struct program_options *options, uint32_t *built);
+enum status scatter_enqueue(const struct scatter *scatter, const struct stage_context *context);
+void scatter_free(struct scatter *scatter);
+
 struct compact {
     struct kernel count, scan, scatter;
 };

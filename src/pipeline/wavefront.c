@@ -3,14 +3,16 @@
 #include "shared/ray.h"
 #include "shared/rng.h"
 
-// Scratch words per path: sort has 16 digits a tile, and no tile is smaller than 16 elements.
-#define TOTALS_PER_PATH 1u
+// Scratch bytes per path: a word for each tile of compact, or 16 digits of each in sort, and no
+// tile is smaller than 16 elements.
+#define COMPACT_TOTALS 1u // of these a quarter
+#define SORT_TOTALS    4u
 
 uint64_t wavefront_path_size(bool textures_bound)
 {
-    const uint64_t words = 2 + TOTALS_PER_PATH + (textures_bound ? 4 : 0);
-    return sizeof(struct ray) + sizeof(struct hit) + sizeof(struct path) + sizeof(struct shade) +
-           words * sizeof(uint32_t);
+    const uint64_t words = textures_bound ? 6 : 2;
+    return sizeof(struct ray) + sizeof(struct hit) + sizeof(struct path) +
+           words * sizeof(uint32_t) + (textures_bound ? SORT_TOTALS : COMPACT_TOTALS);
 }
 
 uint64_t wavefront_points_size(const struct settings *settings)
@@ -25,6 +27,7 @@ enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t ca
     struct wavefront w = {.capacity = capacity, .bounce_count = settings->depth + 2};
     const size_t words = capacity * sizeof(uint32_t);
     const size_t sort_words = textures_bound ? words : 0;
+    const size_t totals = capacity * (size_t)(textures_bound ? SORT_TOTALS : COMPACT_TOTALS);
     const struct {
         struct buffer *buffer;
         size_t size;
@@ -37,11 +40,10 @@ enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t ca
         {&w.rays, capacity * sizeof(struct ray), NULL, "rays"},
         {&w.hits, capacity * sizeof(struct hit), NULL, "hits"},
         {&w.paths, capacity * sizeof(struct path), NULL, "paths"},
-        {&w.shades, capacity * sizeof(struct shade), NULL, "shaded hits"},
         {&w.queue[0], words, NULL, "ray queue"},
         {&w.queue[1], words, NULL, "ray queue"},
         {&w.counters, w.bounce_count * sizeof(struct counters), NULL, "counters"},
-        {&w.totals, words * TOTALS_PER_PATH + 64 * sizeof(uint32_t), NULL, "scan totals"},
+        {&w.totals, totals + 64 * sizeof(uint32_t), NULL, "scan totals"},
         {&w.keys[0], sort_words, NULL, "sort keys"},
         {&w.keys[1], sort_words, NULL, "sort keys"},
         {&w.slots[0], sort_words, NULL, "sorted slots"},
@@ -71,7 +73,6 @@ void wavefront_free(struct gpu *gpu, struct wavefront *w)
     }
     buffer_free(gpu, &w->totals);
     buffer_free(gpu, &w->counters);
-    buffer_free(gpu, &w->shades);
     buffer_free(gpu, &w->paths);
     buffer_free(gpu, &w->hits);
     buffer_free(gpu, &w->rays);

@@ -18,7 +18,7 @@
 struct wavefront {
     struct buffer settings, camera;
     struct buffer points;                    // of samples, by block
-    struct buffer rays, hits, paths, shades; // [capacity] by slot
+    struct buffer rays, hits, paths;         // [capacity] by slot; hits become shades in material
     struct buffer queue[2];                  // [capacity] slots of this bounce and of the next
     struct buffer counters;                  // [bounce_count]
     struct buffer totals;                    // scratch of compact and sort

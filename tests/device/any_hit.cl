@@ -10,6 +10,6 @@ TEST_KERNEL any_hit(TRACED_PARAMETERS, __global const struct ray *restrict rays,
     if (i >= count)
         return;
     TRACED_SCENE(scene);
-    hits[i] = traverse(nodes, &scene, rays[i].org_tmin.xyz, rays[i].dir_tmax.xyz,
-                       rays[i].org_tmin.w, rays[i].dir_tmax.w, true);
+    hits[i] = traverse(nodes, &scene, rays[i].org.xyz, rays[i].dir.xyz, rays[i].org.w,
+                       rays[i].dir.w, true);
 }

@@ -71,23 +71,22 @@
     M(batch, first) M(batch, first_sample) M(batch, count) M(batch, pixel_count)                   \
     M(batch, sample_shift) M(batch, pad0) M(batch, pad1) M(batch, pad2)                            \
     S(path)                                                                                        \
-    M(path, throughput_pdf) M(path, radiance_flags)                                                \
+    M(path, throughput_bits) M(path, radiance_normal)                                              \
     S(shade)                                                                                       \
-    M(shade, org_normal) M(shade, diffuse_alpha) M(shade, f0_f90) M(shade, throughput_f)           \
-    M(shade, normal) M(shade, view) M(shade, dielectric_f90) M(shade, flags)                       \
+    M(shade, diffuse_f0) M(shade, specular_f90)                                                    \
     S(counters)                                                                                    \
     M(counters, active) M(counters, trace_head) M(counters, direct_head)                           \
     M(counters, directional_head) M(counters, shadow_rays)                                         \
     M(counters, directional_rays) M(counters, pad0) M(counters, pad1)                                          \
     S(ray)                                                                                         \
-    M(ray, org_tmin) M(ray, dir_tmax)                                                              \
+    M(ray, org) M(ray, dir)                                                              \
     S(hit)                                                                                         \
     M(hit, t) M(hit, u) M(hit, v) M(hit, triangle)                                                 \
     S(settings)                                                                                    \
     M(settings, seed) M(settings, depth) M(settings, shadow_rays) M(settings, quantity)            \
     M(settings, light_count) M(settings, directional_count) M(settings, material_count)            \
     M(settings, emitter_count)                                                                     \
-    M(settings, point_shift) M(settings, pad0) M(settings, pad1) M(settings, pad2)
+    M(settings, point_shift) M(settings, triangle_count) M(settings, pad0) M(settings, pad1)
 // clang-format on
 
 #endif

@@ -7,7 +7,6 @@
 #include <cmocka.h>
 
 #include "shared/path.h"
-#include "shared/ray.h"
 #include "stage_support.h"
 
 #define CAPACITY 300000u
@@ -17,7 +16,6 @@ struct fixture {
     struct gpu *gpu;
     struct compact compact;
     struct wavefront wavefront;
-    struct hit *hits;         // [CAPACITY]
     struct path *paths;       // [CAPACITY]
     uint32_t *queue, *result; // [CAPACITY]
     uint64_t seed;
@@ -30,7 +28,6 @@ static void make_fixture(struct fixture *out, struct gpu *gpu)
     *out = (struct fixture){.gpu = gpu, .seed = 1};
     assert_ok(compact_build(&out->compact, gpu, &options, &built));
     out->wavefront = make_wavefront(gpu, CAPACITY, 1);
-    out->hits = calloc(CAPACITY, sizeof(*out->hits));
     out->paths = calloc(CAPACITY, sizeof(*out->paths));
     out->queue = calloc(CAPACITY, sizeof(*out->queue));
     out->result = calloc(CAPACITY, sizeof(*out->result));
@@ -41,17 +38,13 @@ static void release(struct fixture *f)
     free(f->result);
     free(f->queue);
     free(f->paths);
-    free(f->hits);
     wavefront_free(f->gpu, &f->wavefront);
     compact_free(&f->compact);
 }
 
-// A path goes on if it hit something and was not ended there. Of a path that left the scene the
-// flags are old.
 static int goes_on(const struct fixture *f, uint32_t slot)
 {
-    return f->hits[slot].triangle != HIT_NONE &&
-           (float_bits(f->paths[slot].radiance_flags.w) & PATH_ALIVE) != 0;
+    return (float_bits(f->paths[slot].throughput_bits.w) & PATH_ALIVE) != 0;
 }
 
 static void upload_round(struct fixture *f, uint32_t count, uint32_t bounce, double kept)
@@ -59,17 +52,13 @@ static void upload_round(struct fixture *f, uint32_t count, uint32_t bounce, dou
     const struct wavefront *w = &f->wavefront;
     make_queue(f->queue, count, CAPACITY, &f->seed);
     for (uint32_t i = 0; i < CAPACITY; i++) {
-        // Half of those that end have missed, half are marked.
         const bool keep = random_unit(&f->seed) < kept;
-        const bool missed = !keep && random_unit(&f->seed) < 0.5;
         const uint32_t other = (uint32_t)(random_unit(&f->seed) * 4.0) << 1; // other flags
-        f->hits[i].triangle = missed ? HIT_NONE : i;
-        f->paths[i].radiance_flags.w = bits_float((keep || missed ? PATH_ALIVE : 0u) | other);
+        f->paths[i].throughput_bits.w = bits_float((keep ? PATH_ALIVE : 0u) | other);
         f->result[i] = SENTINEL;
     }
     assert_ok(buffer_write(f->gpu, &w->queue[bounce & 1], f->queue, count * sizeof(uint32_t)));
     assert_ok(buffer_write(f->gpu, &w->queue[~bounce & 1], f->result, CAPACITY * sizeof(uint32_t)));
-    assert_ok(buffer_write(f->gpu, &w->hits, f->hits, CAPACITY * sizeof(*f->hits)));
     assert_ok(buffer_write(f->gpu, &w->paths, f->paths, CAPACITY * sizeof(*f->paths)));
     write_counters(f->gpu, w, bounce, count);
 }

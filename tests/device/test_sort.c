@@ -23,6 +23,7 @@ struct fixture {
     struct sort sort;
     struct wavefront wavefront;
     struct hit *hits;         // [CAPACITY]
+    struct path *paths;       // [CAPACITY]
     uint32_t *queue, *result; // [CAPACITY]
     uint64_t seed;
 };
@@ -35,6 +36,7 @@ static void make_fixture(struct fixture *out, struct gpu *gpu)
     assert_ok(sort_build(&out->sort, gpu, &options, &built));
     out->wavefront = make_wavefront(gpu, CAPACITY, MAX_MATERIALS);
     out->hits = malloc(CAPACITY * sizeof(*out->hits));
+    out->paths = calloc(CAPACITY, sizeof(*out->paths));
     out->queue = malloc(CAPACITY * sizeof(*out->queue));
     out->result = malloc(CAPACITY * sizeof(*out->result));
 }
@@ -43,6 +45,7 @@ static void release(struct fixture *f)
 {
     free(f->result);
     free(f->queue);
+    free(f->paths);
     free(f->hits);
     wavefront_free(f->gpu, &f->wavefront);
     sort_free(&f->sort);
@@ -102,14 +105,34 @@ static void upload_round(struct fixture *f, struct device_scene *scene, const st
     scene->material_count = round->material_count;
     make_queue(f->queue, round->count, CAPACITY, &f->seed);
     fill_hits(f, round);
-    for (uint32_t i = 0; i < CAPACITY; i++)
+    for (uint32_t i = 0; i < CAPACITY; i++) {
         f->result[i] = SENTINEL;
+        f->paths[i].throughput_bits.w = bits_float(SENTINEL);
+    }
     assert_ok(buffer_write(f->gpu, &w->queue[round->bounce & 1], f->queue,
                            round->count * sizeof(uint32_t)));
     assert_ok(buffer_write(f->gpu, &w->hits, f->hits, CAPACITY * sizeof(*f->hits)));
+    assert_ok(buffer_write(f->gpu, &w->paths, f->paths, CAPACITY * sizeof(*f->paths)));
     assert_ok(buffer_write(f->gpu, &w->slots[0], f->result, CAPACITY * sizeof(uint32_t)));
     assert_ok(buffer_write(f->gpu, &w->ranges, f->result, (MAX_MATERIALS + 2) * sizeof(uint32_t)));
     write_counters(f->gpu, w, round->bounce, round->count);
+}
+
+// The paths in use that have missed have ended; no other has been touched.
+static void check_ends(struct fixture *f, const struct round *round)
+{
+    assert_ok(buffer_read(f->gpu, &f->wavefront.paths, f->paths, CAPACITY * sizeof(*f->paths)));
+    uint32_t misses = 0;
+    for (uint32_t i = 0; i < round->count; i++) {
+        const uint32_t slot = f->queue[i];
+        const bool missed = f->hits[slot].triangle == HIT_NONE;
+        misses += missed;
+        assert_int_equal(float_bits(f->paths[slot].throughput_bits.w), missed ? 0 : SENTINEL);
+    }
+    uint32_t ended = 0;
+    for (uint32_t i = 0; i < CAPACITY; i++)
+        ended += float_bits(f->paths[i].throughput_bits.w) != SENTINEL;
+    assert_int_equal(ended, misses);
 }
 
 static void check_round(struct fixture *f, const struct round *round)
@@ -120,6 +143,7 @@ static void check_round(struct fixture *f, const struct round *round)
         .gpu = f->gpu, .scene = &scene, .wavefront = &f->wavefront, .bounce = round->bounce};
     assert_ok(sort_enqueue(&f->sort, &context));
 
+    check_ends(f, round);
     uint32_t expected_ranges[MAX_MATERIALS + 2];
     uint32_t ranges[MAX_MATERIALS + 2];
     uint32_t *expected = malloc((round->count + 1) * sizeof(*expected));

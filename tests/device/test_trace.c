@@ -67,9 +67,8 @@ static void check_hit(const struct trace_scene *scene, const struct job *job, ui
     const struct ray *ray = &job->rays[i];
     fail_msg("%s, ray %u (kind %u) from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g): hit %d at "
              "%.9g, expected one before %.9g",
-             what, i, i % RAY_KINDS, ray->org_tmin.x, ray->org_tmin.y, ray->org_tmin.z,
-             ray->dir_tmax.x, ray->dir_tmax.y, ray->dir_tmax.z, (int)hit->triangle, hit->t,
-             job->expected[i].limit);
+             what, i, i % RAY_KINDS, ray->org.x, ray->org.y, ray->org.z, ray->dir.x, ray->dir.y,
+             ray->dir.z, (int)hit->triangle, hit->t, job->expected[i].limit);
 }
 
 // Any hit: one that may be, and none only where there need not be one.
@@ -213,8 +212,8 @@ static void a_blended_triangle_meets_its_share_of_rays(void **state)
     make_scene(scene, &fixture, geometry, 0.0f);
     make_job(job, scene, 3.0, false);
     for (uint32_t i = 0; i < RAYS; i++) {
-        job->rays[i].org_tmin = (float4){0.37f * (float)(i % 64), 0.0f, 1.0f + (float)i, 0.0f};
-        job->rays[i].dir_tmax = (float4){0.0f, 0.0f, -1.0f, FLT_MAX};
+        job->rays[i].org = (float4){0.37f * (float)(i % 64), 0.0f, 1.0f + (float)i, 0.0f};
+        job->rays[i].dir = (float4){0.0f, 0.0f, -1.0f, FLT_MAX};
     }
     run_any_hit(any, &fixture, scene, TREE_BINARY, job->rays);
     uint32_t met = 0;

@@ -81,6 +81,7 @@ struct trace_scene {
 static inline void build_variant(struct variant *variant, struct gpu *gpu)
 {
     uint32_t built = 0;
+    variant->options.ray_spans = true;
     if (variant->source == NULL) {
         assert_ok(trace_build(&variant->trace, gpu, &variant->options, &built));
         return;

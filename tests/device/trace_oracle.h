@@ -59,8 +59,8 @@ static inline double oracle_weight_error(const float4 row, const double *p, cons
 
 static inline void oracle_load(double *org, double *dir, const struct ray *ray)
 {
-    const double o[3] = {ray->org_tmin.x, ray->org_tmin.y, ray->org_tmin.z};
-    const double d[3] = {ray->dir_tmax.x, ray->dir_tmax.y, ray->dir_tmax.z};
+    const double o[3] = {ray->org.x, ray->org.y, ray->org.z};
+    const double d[3] = {ray->dir.x, ray->dir.y, ray->dir.z};
     memcpy(org, o, sizeof(o));
     memcpy(dir, d, sizeof(d));
 }
@@ -68,8 +68,8 @@ static inline void oracle_load(double *org, double *dir, const struct ray *ray)
 // Decides from the numbers.
 static inline enum verdict oracle_decide(const struct meeting *m, const struct ray *ray)
 {
-    const double tmin = ray->org_tmin.w;
-    const double tmax = ray->dir_tmax.w;
+    const double tmin = ray->org.w;
+    const double tmax = ray->dir.w;
     const double third = 1.0 - m->u - m->v;
     const double third_error = m->u_error + m->v_error;
     if (m->u < -m->u_error || m->v < -m->v_error || third < -third_error ||

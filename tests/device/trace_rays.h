@@ -98,9 +98,9 @@ static inline struct ray make_ray(const struct geometry *geometry, enum ray_kind
                             (target[1] - org[1]) * (target[1] - org[1]) +
                             (target[2] - org[2]) * (target[2] - org[2]));
     if (kind == RAY_SHORT)
-        ray.dir_tmax.w = (float)(way * random_between(seed, 0.0, 2.0));
+        ray.dir.w = (float)(way * random_between(seed, 0.0, 2.0));
     if (kind == RAY_LATE)
-        ray.org_tmin.w = (float)(way * random_between(seed, 0.0, 2.0));
+        ray.org.w = (float)(way * random_between(seed, 0.0, 2.0));
     return ray;
 }
 
