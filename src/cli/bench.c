@@ -15,6 +15,7 @@ static const struct experiment experiments[] = {
     {"report", bench_report, 0, OPERANDS_MAX - 1},
     {"lights", bench_lights, 1, 1},
     {"trace", bench_trace, 1, 1},
+    {"path", bench_pipeline, 1, 1},
     {"memory", bench_memory, 0, OPERANDS_MAX - 1},
     {"scale", bench_scale, 0, 0},
 };
@@ -30,15 +31,15 @@ static enum status refuse(const char *experiment, const struct options *options)
         const char *name, *users;
         bool is_given;
     } uses[] = {
-        {"width", "lights trace", given->width != none->width},
-        {"height", "lights trace", given->height != none->height},
-        {"camera", "lights trace", given->camera != none->camera},
-        {"depth", "lights", given->depth != none->depth},
-        {"shadow-rays", "lights", given->shadow_rays != none->shadow_rays},
-        {"time", "lights report memory scale", given->time_s != none->time_s},
+        {"width", "lights trace path", given->width != none->width},
+        {"height", "lights trace path", given->height != none->height},
+        {"camera", "lights trace path", given->camera != none->camera},
+        {"depth", "lights path", given->depth != none->depth},
+        {"shadow-rays", "lights path", given->shadow_rays != none->shadow_rays},
+        {"time", "lights path report memory scale", given->time_s != none->time_s},
         {"reference", "lights report", options->reference != NULL},
         {"reference-time", "lights report", options->reference_time_s > 0.0},
-        {"runs", "trace", options->runs != defaults.runs},
+        {"runs", "trace path", options->runs != defaults.runs},
         {"quick", "report memory scale", options->quick},
         {"out", "report memory scale", strcmp(options->out, defaults.out) != 0},
     };
@@ -73,5 +74,5 @@ enum status command_bench(const struct options *options)
     }
     return status_fail(
         STATUS_USAGE,
-        "there is no experiment %s; there are report, lights, trace, memory and scale", name);
+        "there is no experiment %s; there are report, lights, trace, path, memory and scale", name);
 }

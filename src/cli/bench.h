@@ -18,6 +18,9 @@ enum status bench_lights(const struct options *options);
  */
 enum status bench_trace(const struct options *options);
 
+/** Paths a second of the whole pipeline, the thesis's way and the default one. */
+enum status bench_pipeline(const struct options *options);
+
 /** Bytes and rays a second against the size of the ray queue. */
 enum status bench_memory(const struct options *options);
 

@@ -23,7 +23,7 @@ struct bench_column {
 };
 
 struct bench_cell {
-    char text[96];
+    char text[160];
     double number; // not finite: none
 };
 

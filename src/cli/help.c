@@ -125,6 +125,10 @@ void help_print_command(FILE *file, enum command command)
             "BVH and every kernel that the device has, taking turns, and prints the median of\n"
             "--runs runs, least and most, in million rays a second. All triangles are solid. A\n"
             "sample of the hits is checked against all triangles in double precision.\n\n"
+            "path SCENE: renders the scene at depth 1 and 5, or --depth, as the thesis does and "
+            "as\n"
+            "is the default, taking turns, and prints the median of --runs runs of --time\n"
+            "seconds, least and most, in million paths a second, and each kernel's share.\n\n"
             "memory [SCENE...]: bytes on the device and rays a second against the size of the\n"
             "ray queue.\n\n"
             "scale: a cave of 10,000 to 10,000,000 triangles, and with 1 to 1,000,000 lights.\n");

@@ -83,7 +83,7 @@ const struct option option_table[] = {
     {"out", 0, BENCH, "FOLDER", "where report, memory and scale write", NULL, TEXT(out)},
     {"reference", 0, BENCH, "PATH", "lights: image of this scene; report: folder", "rendered", TEXT(reference)},
     {"reference-time", 0, BENCH, "S", "seconds to render a reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
-    {"runs", 0, BENCH, "N", "trace: measured runs of each class of rays", NULL, UINT(runs, 1, 1000)},
+    {"runs", 0, BENCH, "N", "trace, path: measured runs of each kind", NULL, UINT(runs, 1, 1000)},
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},

@@ -6,6 +6,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,7 @@
 
 #include "cli/bench_cave.h"
 #include "cli/bench_results.h"
+#include "core/file.h"
 #include "cli/commands.h"
 
 // ---- Tables
@@ -226,6 +228,66 @@ static void cave_has_the_triangles_and_lights_asked_for(void **state)
     rmdir(folder);
 }
 
+// The number that follows the n-th `"key": ` of a JSON text.
+static double number_of(const char *json, const char *key, int n)
+{
+    char text[64];
+    snprintf(text, sizeof(text), "\"%s\": ", key);
+    for (const char *at = strstr(json, text); at != NULL; at = strstr(at + 1, text))
+        if (n-- == 0)
+            return strtod(at + strlen(text), NULL);
+    fail_msg("no %s in %s", key, json);
+    return NAN;
+}
+
+// A path has a ray to each hit, as many to the one light, and one more that may only collect what
+// shines; what is told of it adds up.
+static void path_tells_what_adds_up(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/lightkiln_bench_XXXXXX";
+    char path[128];
+    char out[128];
+    char line[256];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/cave.glb", folder);
+    snprintf(out, sizeof(out), "%s/out.json", folder);
+    assert_int_equal(bench_cave_write(path, 1000, 1), STATUS_OK);
+    snprintf(line, sizeof(line),
+             "path %s --width 32 --height 32 --runs 3 --time 0.05 --json --quiet", path);
+
+    fflush(stdout);
+    const int terminal = dup(STDOUT_FILENO);
+    const int file = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    dup2(file, STDOUT_FILENO);
+    const enum status status = run(line);
+    fflush(stdout);
+    dup2(terminal, STDOUT_FILENO);
+    close(terminal);
+    close(file);
+    assert_int_equal(status, STATUS_OK);
+
+    char *json = NULL;
+    size_t size = 0;
+    assert_int_equal(file_read(&json, &size, out), STATUS_OK);
+    for (int row = 0; row < 4; row++) {
+        const double depth = number_of(json, "depth", row);
+        const double rays = number_of(json, "rays_per_path", row);
+        const double median = number_of(json, "mpaths_per_s", row);
+        const double traced = number_of(json, "traced_percent", row);
+        assert_true(depth == (row < 2 ? 1.0 : 5.0));
+        assert_true(rays > 1.0 && rays <= 2.0 * depth + 1.0);
+        assert_true(number_of(json, "mpaths_per_s_least", row) <= median);
+        assert_true(number_of(json, "mpaths_per_s_most", row) >= median);
+        assert_true(median > 0.0 && traced > 0.0 && traced < 100.0);
+        assert_true(fabs(number_of(json, "mrays_per_s", row) - median * rays) < 1e-6 * median);
+    }
+    free(json);
+    unlink(out);
+    unlink(path);
+    rmdir(folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +297,7 @@ int main(void)
         cmocka_unit_test(conclusions_follow_the_measurements),
         cmocka_unit_test(options_without_use_are_refused),
         cmocka_unit_test(cave_has_the_triangles_and_lights_asked_for),
+        cmocka_unit_test(path_tells_what_adds_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,220 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/bench.h"
+#include "cli/bench_table.h"
+#include "cli/progress.h"
+
+#define DEFAULT_TIME_S 1.0 // of a run
+#define RUNS_MAX       1000
+#define DEPTHS         2
+
+// The ways through the pipeline, the thesis's first: early split clipping's tree without splits, a
+// queue for persistent kernels, random numbers, its light tree. A scene is loaded for each, since
+// it is prepared for one.
+enum way { WAY_THESIS, WAY_OURS, WAYS };
+
+static const char *const way_names[WAYS] = {"thesis", "default"};
+
+// One way at one depth.
+struct rate {
+    enum way way;
+    struct lk_settings settings;
+    struct lk_render_info info;      // of the last run; its kernels of one with events
+    double paths_per_s[RUNS_MAX];    // [runs], then in ascending order
+    double rays_per_path;            // all kinds
+    double total_kernel_s, traced_s; // of the kernels, and of those of them that trace
+};
+
+static const struct bench_column columns[] = {
+    {"depth", "depth", "%.0f"},
+    {"way", "way", NULL},
+    {"mpaths_per_s", "Mpaths/s", "%.4g"},
+    {"mpaths_per_s_least", "least", "%.4g"},
+    {"mpaths_per_s_most", "most", "%.4g"},
+    {"mrays_per_s", "Mrays/s", "%.4g"},
+    {"rays_per_path", "rays a path", "%.2f"},
+    {"traced_percent", "tracing, %", "%.1f"},
+    {"kernels", "share of each kernel, %", NULL},
+};
+
+static struct lk_settings settings_of(enum way way, const struct lk_settings *asked, uint32_t depth)
+{
+    struct lk_settings settings = *asked;
+    settings.depth = depth;
+    settings.spp = 0;
+    if (way == WAY_THESIS) {
+        settings.bvh_build = LK_BVH_BUILD_THESIS;
+        settings.bvh = LK_BVH_BINARY;
+        settings.trace = LK_TRACE_PERSISTENT;
+        settings.sampler = LK_SAMPLER_RANDOM;
+        settings.light_sampler = LK_LIGHTS_TREE;
+    }
+    return settings;
+}
+
+static enum status render(struct lk_render_info *info, struct lk_scene *scene,
+                          const struct lk_settings *settings)
+{
+    struct lk_image *image = NULL;
+    const enum status status = (enum status)lk_render(&image, scene, settings, NULL);
+    if (status == STATUS_OK)
+        *info = *lk_image_info(image);
+    lk_image_free(image);
+    return status != STATUS_OK         ? status
+           : progress_is_interrupted() ? status_fail(STATUS_CANCELLED, "interrupted")
+                                       : STATUS_OK;
+}
+
+static bool traces(const char *kernel)
+{
+    return strcmp(kernel, "trace") == 0 || strcmp(kernel, "direct") == 0 ||
+           strcmp(kernel, "directional") == 0;
+}
+
+// Warms up, twice, since PoCL compiles a kernel once more for its first large launch; the second
+// time with events.
+static enum status warm_up(struct rate *rate, struct lk_scene *scene)
+{
+    enum status status = render(&rate->info, scene, &rate->settings);
+    struct lk_settings profiled = rate->settings;
+    profiled.profile = true;
+    if (status == STATUS_OK)
+        status = render(&rate->info, scene, &profiled);
+    for (uint32_t i = 0; i < rate->info.kernel_count; i++) {
+        const struct lk_kernel_time *kernel = &rate->info.kernels[i];
+        rate->total_kernel_s += kernel->time_s;
+        rate->traced_s += traces(kernel->name) ? kernel->time_s : 0.0;
+    }
+    rate->rays_per_path =
+        (double)(rate->info.rays_camera + rate->info.rays_indirect + rate->info.rays_shadow) /
+        (double)rate->info.paths;
+    return status;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// Measures all in turns, so that what else the machine does meets all of them.
+static enum status measure(struct rate *rates, size_t count, struct lk_scene *const *scenes,
+                           uint32_t runs)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < count && status == STATUS_OK; i++)
+        status = warm_up(&rates[i], scenes[rates[i].way]);
+    for (uint32_t run = 0; run < runs; run++)
+        for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+            struct lk_render_info info;
+            status = render(&info, scenes[rates[i].way], &rates[i].settings);
+            if (status == STATUS_OK)
+                rates[i].paths_per_s[run] = (double)info.paths / info.time_s.render;
+        }
+    for (size_t i = 0; i < count; i++)
+        qsort(rates[i].paths_per_s, runs, sizeof(double), compare_doubles);
+    return status;
+}
+
+// "trace 55, direct 30, ...", as far as there is room.
+static void write_shares(char *out, size_t size, const struct rate *rate)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (uint32_t i = 0; i < rate->info.kernel_count && used < size; i++) {
+        const struct lk_kernel_time *kernel = &rate->info.kernels[i];
+        const double share = 100.0 * kernel->time_s / rate->total_kernel_s;
+        if (share >= 0.5)
+            used += (size_t)snprintf(out + used, size - used, "%s%s %.0f", used > 0 ? ", " : "",
+                                     kernel->name, share);
+    }
+}
+
+static void fill(struct bench_table *out, const struct rate *rates, size_t count, uint32_t runs)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct rate *rate = &rates[i];
+        const double median = rate->paths_per_s[runs / 2];
+        char shares[sizeof(((struct bench_cell *)0)->text)];
+        write_shares(shares, sizeof(shares), rate);
+        bench_number(out, rate->settings.depth);
+        bench_text(out, way_names[rate->way]);
+        bench_number(out, median * 1e-6);
+        bench_number(out, rate->paths_per_s[0] * 1e-6);
+        bench_number(out, rate->paths_per_s[runs - 1] * 1e-6);
+        bench_number(out, median * rate->rays_per_path * 1e-6);
+        bench_number(out, rate->rays_per_path);
+        bench_number(out, 100.0 * rate->traced_s / rate->total_kernel_s);
+        bench_text(out, shares);
+    }
+}
+
+static enum status print(const struct rate *rates, size_t count, const struct options *options)
+{
+    const struct lk_render_info *info = &rates[0].info;
+    struct bench_table table = {.key = "paths",
+                                .title = "Paths a second of the whole pipeline",
+                                .columns = columns,
+                                .column_count = sizeof(columns) / sizeof(columns[0])};
+    struct json json = {0};
+    enum status status = STATUS_OK;
+    fill(&table, rates, count, options->runs);
+    if (options->json) {
+        bench_json_begin(&json, "path", &info->device);
+        json_string(&json, "scene", options->operands[1]);
+        json_uint(&json, "width", info->settings.width);
+        json_uint(&json, "height", info->settings.height);
+        json_uint(&json, "shadow_rays", info->settings.shadow_rays);
+        json_uint(&json, "runs", options->runs);
+        bench_table_json(&json, &table);
+        json_object_end(&json);
+        status = json_finish(&json);
+        if (status == STATUS_OK)
+            fputs(json.text, stdout);
+    } else {
+        printf("%s, %u x %u, %u shadow rays a hit, median of %u runs, %s\n", options->operands[1],
+               info->settings.width, info->settings.height, info->settings.shadow_rays,
+               options->runs, info->device.name);
+        bench_table_print(stdout, &table);
+    }
+    json_free(&json);
+    bench_table_free(&table);
+    return status;
+}
+
+enum status bench_pipeline(const struct options *options)
+{
+    static const uint32_t depths[DEPTHS] = {1, 5};
+    struct options defaults;
+    options_init(&defaults);
+    const bool one_depth = options->settings.depth != defaults.settings.depth;
+    struct lk_settings asked = options->settings;
+    if (!(asked.time_s > 0.0))
+        asked.time_s = DEFAULT_TIME_S;
+
+    struct lk_scene *scenes[WAYS] = {NULL};
+    struct rate *rates = calloc((size_t)WAYS * DEPTHS, sizeof(*rates));
+    size_t count = 0;
+    enum status status = STATUS_OK;
+    if (rates == NULL)
+        status = status_fail(STATUS_NO_MEMORY, "no memory for the rates");
+    for (int depth = 0; depth < (one_depth ? 1 : DEPTHS) && status == STATUS_OK; depth++)
+        for (int way = 0; way < WAYS; way++, count++) {
+            rates[count].way = (enum way)way;
+            rates[count].settings =
+                settings_of((enum way)way, &asked, one_depth ? asked.depth : depths[depth]);
+        }
+    for (int way = 0; way < WAYS && status == STATUS_OK; way++)
+        status = (enum status)lk_scene_load(&scenes[way], options->operands[1]);
+    if (status == STATUS_OK)
+        status = measure(rates, count, scenes, options->runs);
+    if (status == STATUS_OK)
+        status = print(rates, count, options);
+    for (int way = 0; way < WAYS; way++)
+        lk_scene_free(scenes[way]);
+    free(rates);
+    return status;
+}
