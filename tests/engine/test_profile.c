@@ -81,9 +81,41 @@ static void render_without_profile_times_no_kernel(void **state)
     lk_image_free(image);
 }
 
+// The programs that the kernels are of: a stage of several kernels names them stage_kernel.
+static uint32_t count_programs(const struct lk_render_info *info)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < info->kernel_count; i++) {
+        const char *name = info->kernels[i].name;
+        const size_t length = strcspn(name, "_");
+        bool is_first = true;
+        for (uint32_t j = 0; j < i; j++)
+            is_first = is_first && !(strcspn(info->kernels[j].name, "_") == length &&
+                                     strncmp(info->kernels[j].name, name, length) == 0);
+        count += is_first;
+    }
+    return count;
+}
+
+// All from source, each once, and none that is not used.
+static void no_program_is_compiled_twice(void **state)
+{
+    (void)state;
+    skip_without_device();
+    struct lk_settings settings = test_settings(SIDE, SIDE, SPP);
+    settings.depth = 2;
+    settings.profile = true;
+    settings.no_cache = true;
+    struct lk_image *image = render(scene, &settings);
+    const struct lk_render_info *info = lk_image_info(image);
+    assert_int_equal(info->kernels_from_source, count_programs(info));
+    lk_image_free(image);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_program_is_compiled_twice),
         cmocka_unit_test(kernels_are_told_the_rays_they_traced),
         cmocka_unit_test(render_without_profile_times_no_kernel),
     };
