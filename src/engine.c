@@ -2,26 +2,19 @@
 
 #include "engine.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 #include "core/clock.h"
-#include "core/log.h"
+#include "plan.h"
 #include "prep/camera.h"
-#include "prep/samples.h"
 #include "prepare.h"
 #include "render.h"
 #include "scene/gltf_import.h"
 #include "settings.h"
 #include "shared/path.h"
 #include "shared/ray.h"
-
-#define QUEUE_MIN 1024u // paths; below it launches cost more than they do
-// Log2 of the points of a block: 1024 are 340 KB for a depth of 5.
-#define POINT_SHIFT 10u
 
 // ---- Scenes
 
@@ -59,74 +52,6 @@ const char *lk_scene_camera(const struct lk_scene *scene, size_t index)
     return camera->name[0] != '\0' ? camera->name : camera->node_name;
 }
 
-// What the kernels are told of the settings; what they are told of the scene is left 0.
-static struct settings kernel_settings(const struct lk_settings *s)
-{
-    const struct settings out = {
-        .seed = s->seed,
-        .depth = s->quantity == LK_DIRECT ? 1 : s->depth,
-        .shadow_rays = s->shadow_rays,
-        .quantity = s->quantity == LK_IRRADIANCE ? QUANTITY_IRRADIANCE : QUANTITY_RADIANCE,
-        .point_shift = s->sampler == LK_SAMPLER_SOBOL ? POINT_SHIFT : 0,
-    };
-    return out;
-}
-
-// Counts what a prepared scene holds; rays and film for this camera and queue.
-static void describe_scene(struct lk_scene_info *out, const struct lk_scene *scene,
-                           const struct camera *camera, const struct settings *settings,
-                           uint64_t capacity, bool textures_bound)
-{
-    const struct prepared *p = &scene->prepared;
-    const struct upload_source source = prepared_source(scene);
-    const struct upload_sizes sizes = upload_sizes(&source);
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    *out = (struct lk_scene_info){
-        .file = scene->scene.file,
-        .triangles = p->geometry.triangle_count,
-        .triangles_split = p->reference_count,
-        .instances = scene->scene.instance_count,
-        .materials = scene->scene.material_count,
-        .textures = scene->scene.texture_count,
-        .cameras = scene->scene.camera_count,
-        .lights = {.point = p->emitters.point_count,
-                   .spot = p->emitters.spot_count,
-                   .rect = p->emitters.rectangle_count,
-                   .disc = p->emitters.disc_count,
-                   .directional =
-                       p->emitters.directional_count + scene->surroundings.environment.has_sun,
-                   .emissive_triangles = p->emitters.emissive_triangles,
-                   .drawn = p->emitters.light_count},
-        .memory = {.bvh = sizes.bvh,
-                   .geometry = sizes.geometry,
-                   .materials = sizes.materials,
-                   .lights = sizes.lights,
-                   .rays = capacity * wavefront_path_size(textures_bound) +
-                           wavefront_points_size(settings),
-                   .film = (uint64_t)camera->width * camera->height * film_pixel_size(),
-                   .peak_host = (uint64_t)usage.ru_maxrss * 1024},
-        .width = camera->width,
-        .height = camera->height,
-    };
-    if (textures_bound) // the pool for alpha and emission, and an image of each
-        out->memory.materials += p->materials.texel_count * sizeof(*p->materials.texels);
-    struct lk_memory *memory = &out->memory;
-    memory->total_device = memory->bvh + memory->geometry + memory->materials + memory->lights +
-                           memory->rays + memory->film;
-}
-
-// The queue asked for, or the default; never larger than the work.
-static uint64_t queue_capacity(const struct lk_settings *settings, const struct camera *camera,
-                               uint64_t default_capacity)
-{
-    const uint64_t pixels = (uint64_t)camera->width * camera->height;
-    uint64_t capacity = settings->queue > 0 ? settings->queue : default_capacity;
-    if (settings->spp > 0 && capacity > pixels * settings->spp)
-        capacity = pixels * settings->spp;
-    return capacity;
-}
-
 enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
                              const struct lk_settings *settings)
 {
@@ -137,17 +62,15 @@ enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
         chosen.bvh = LK_BVH_BINARY;
     enum status status = settings_check(settings);
     if (status == STATUS_OK)
-        status = prepare_scene(scene, &chosen);
+        status = prepare_scene(scene, &chosen, 1u << chosen.bvh);
     if (status == STATUS_OK)
         status = camera_build(&camera, &scene->scene, &scene->prepared.geometry, settings->camera,
                               settings->width, settings->height);
     if (status != STATUS_OK)
         return (enum lk_status)status;
     const uint64_t pixels = (uint64_t)camera.width * camera.height;
-    const uint64_t capacity = queue_capacity(
-        settings, &camera, pixels < SETTINGS_QUEUE_GPU ? pixels : SETTINGS_QUEUE_GPU);
-    const struct settings told = kernel_settings(&chosen);
-    describe_scene(out, scene, &camera, &told, capacity, settings->textures == LK_TEXTURES_BOUND);
+    plan_describe(out, scene, &chosen, &camera,
+                  pixels < SETTINGS_QUEUE_GPU ? (uint32_t)pixels : SETTINGS_QUEUE_GPU);
     return LK_OK;
 }
 
@@ -183,109 +106,6 @@ enum lk_status lk_device_info(struct lk_device_info *out, size_t index)
 
 // ---- Rendering
 
-// Says what does not fit, naming the three largest users.
-static enum status fail_memory(const struct lk_memory *memory, uint64_t limit)
-{
-    struct user {
-        const char *name;
-        uint64_t size;
-    } users[] = {
-        {"BVH", memory->bvh},
-        {"geometry", memory->geometry},
-        {"materials", memory->materials},
-        {"lights", memory->lights},
-        {"rays", memory->rays},
-        {"film", memory->film},
-    };
-    for (int i = 0; i < 3; i++)
-        for (int j = i + 1; j < 6; j++)
-            if (users[j].size > users[i].size) {
-                const struct user larger = users[j];
-                users[j] = users[i];
-                users[i] = larger;
-            }
-    return status_fail(STATUS_NO_MEMORY,
-                       "the render takes %.0f MB of %.0f MB on the device: %s %.0f MB, %s %.0f MB, "
-                       "%s %.0f MB",
-                       (double)memory->total_device * 1e-6, (double)limit * 1e-6, users[0].name,
-                       (double)users[0].size * 1e-6, users[1].name, (double)users[1].size * 1e-6,
-                       users[2].name, (double)users[2].size * 1e-6);
-}
-
-// Finds the longest queue that fits, and describes the scene with it.
-static enum status plan_memory(struct lk_render_info *info, const struct lk_scene *scene,
-                               const struct renderer *r)
-{
-    struct lk_settings *settings = &info->settings;
-    const bool bound = settings->textures == LK_TEXTURES_BOUND;
-    const struct settings told = kernel_settings(settings);
-    uint64_t capacity = queue_capacity(settings, &r->camera, settings->queue);
-    const uint64_t longest = r->gpu.info.max_allocation / sizeof(struct ray);
-    if (capacity > longest)
-        capacity = longest;
-    describe_scene(&info->scene, scene, &r->camera, &told, capacity, bound);
-    while (info->scene.memory.total_device > settings->memory_limit && capacity > QUEUE_MIN) {
-        capacity = capacity / 2 > QUEUE_MIN ? capacity / 2 : QUEUE_MIN;
-        describe_scene(&info->scene, scene, &r->camera, &told, capacity, bound);
-    }
-    if (info->scene.memory.total_device > settings->memory_limit)
-        return fail_memory(&info->scene.memory, settings->memory_limit);
-    if (capacity < settings->queue && capacity < queue_capacity(settings, &r->camera, UINT32_MAX))
-        log_message(LOG_INFO, "the ray queue is %llu paths, to fit the memory",
-                    (unsigned long long)capacity);
-    settings->queue = (uint32_t)capacity;
-    return STATUS_OK;
-}
-
-// Makes the points of samples, and the buffers of the paths in flight.
-static enum status create_wavefront(struct renderer *r, const struct lk_settings *settings)
-{
-    uint4 *points = NULL;
-    enum status status =
-        samples_build(&points, settings->seed, r->settings.depth, r->settings.point_shift);
-    if (status == STATUS_OK)
-        status = wavefront_create(&r->wavefront, &r->gpu, settings->queue, &r->settings, &r->camera,
-                                  points, settings->textures == LK_TEXTURES_BOUND);
-    free(points);
-    return status;
-}
-
-// Uploads the scene, builds the kernels and makes the buffers.
-static enum status set_up(struct renderer *r, struct lk_render_info *info,
-                          const struct lk_scene *scene)
-{
-    const struct lk_settings *settings = &info->settings;
-    const struct upload_source source = prepared_source(scene);
-    struct program_options options = settings_program_options(settings);
-    double start = clock_seconds();
-    enum status status =
-        upload(&r->scene, &r->gpu, &source, options.nodes_image, options.textures_bound);
-    if (status != STATUS_OK)
-        return status;
-    r->settings = kernel_settings(settings);
-    r->settings.light_count = r->scene.light_count;
-    r->settings.directional_count = r->scene.directional_count;
-    r->settings.material_count = r->scene.material_count;
-    r->settings.triangle_count = scene->prepared.geometry.triangle_count;
-    r->settings.emitter_count = r->scene.emitter_count;
-    status = create_wavefront(r, settings);
-    info->time_s.upload = clock_seconds() - start;
-
-    start = clock_seconds();
-    options.alpha = r->scene.alpha;
-    options.environment = r->scene.map.width > 0;
-    options.normal_maps = r->scene.normal_maps;
-    options.layers = r->scene.layers;
-    options.sheen = r->scene.sheen;
-    if (status == STATUS_OK)
-        status = pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options);
-    if (status == STATUS_OK)
-        status = film_create(&r->film, &r->gpu, r->camera.width, r->camera.height, &options);
-    info->time_s.kernel_build = clock_seconds() - start;
-    info->kernels_from_source = r->pipeline.built + r->film.built;
-    return status;
-}
-
 static char *copy_text(const char *text)
 {
     return text != NULL ? strdup(text) : NULL;
@@ -304,34 +124,45 @@ static void count_work(struct lk_kernel_time *kernel, const struct lk_render_inf
         kernel->bytes = info->paths * (sizeof(struct ray) + sizeof(struct path) + sizeof(uint32_t));
 }
 
+// Adds a device's kernel times to those of the same names.
+static void add_profile(struct lk_render_info *info, const struct gpu *gpu)
+{
+    struct profile_entry entries[LK_KERNELS_MAX];
+    const size_t count = gpu_profile(gpu, entries, LK_KERNELS_MAX);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t k = 0;
+        while (k < info->kernel_count && strcmp(info->kernels[k].name, entries[i].name) != 0)
+            k++;
+        if (k == LK_KERNELS_MAX)
+            continue;
+        info->kernel_count = k == info->kernel_count ? k + 1 : info->kernel_count;
+        info->kernels[k].calls += entries[i].calls;
+        info->kernels[k].time_s += entries[i].time_s;
+        memcpy(info->kernels[k].name, entries[i].name, sizeof(info->kernels[k].name));
+    }
+}
+
 // Makes the image of what has been rendered.
-static enum status take_image(struct lk_image **out, struct renderer *r,
+static enum status take_image(struct lk_image **out, const struct render *render,
                               struct lk_render_info *info)
 {
+    const struct canvas *canvas = &render->canvas;
     struct lk_image *image = calloc(1, sizeof(*image));
     if (image != NULL)
-        image->rgb = calloc((size_t)r->camera.width * r->camera.height, 3 * sizeof(float));
+        image->rgb = calloc((size_t)canvas->width * canvas->height, 3 * sizeof(float));
     if (image == NULL || image->rgb == NULL) {
         free(image);
-        return status_fail(STATUS_NO_MEMORY, "no memory for an image of %u x %u", r->camera.width,
-                           r->camera.height);
+        return status_fail(STATUS_NO_MEMORY, "no memory for an image of %u x %u", canvas->width,
+                           canvas->height);
     }
-    const enum status status = film_resolve(&r->film, &r->gpu, image->rgb, &r->sequence);
-    if (status != STATUS_OK) {
-        lk_image_free(image);
-        return status;
-    }
-    struct profile_entry entries[LK_KERNELS_MAX];
-    info->kernel_count = (uint32_t)gpu_profile(&r->gpu, entries, LK_KERNELS_MAX);
-    for (uint32_t i = 0; i < info->kernel_count; i++) {
-        info->kernels[i].calls = entries[i].calls;
-        info->kernels[i].time_s = entries[i].time_s;
-        memcpy(info->kernels[i].name, entries[i].name, sizeof(info->kernels[i].name));
-        count_work(&info->kernels[i], info);
-    }
-    info->time_s.total = clock_seconds() - r->start_s + info->time_s.import;
-    image->width = r->camera.width;
-    image->height = r->camera.height;
+    canvas_resolve(canvas, image->rgb);
+    for (size_t i = 0; i < render->renderer_count; i++)
+        add_profile(info, &render->renderers[i].gpu);
+    for (uint32_t k = 0; k < info->kernel_count; k++)
+        count_work(&info->kernels[k], info);
+    info->time_s.total = clock_seconds() - render->start_s + info->time_s.import;
+    image->width = canvas->width;
+    image->height = canvas->height;
     image->rendered = true;
     image->info = *info;
     image->info.scene.file = copy_text(info->scene.file);
@@ -342,60 +173,104 @@ static enum status take_image(struct lk_image **out, struct renderer *r,
     return STATUS_OK;
 }
 
-// Everything up to the first ray.
-static enum status begin(struct renderer *r, struct lk_render_info *info, struct lk_scene *scene,
-                         const struct lk_progress_hook *hook)
+// Chooses and opens the devices. Each GPU is fed by a core of the host, which a CPU among them
+// leaves alone.
+static enum status open_devices(struct render *render)
 {
-    struct lk_settings *settings = &info->settings;
+    struct gpu_info infos[LK_DEVICES_MAX];
+    const struct lk_settings *settings = &render->info->settings;
+    size_t count = 0;
+    enum status status = gpu_select(infos, &count, LK_DEVICES_MAX, settings->device);
+    if (status != STATUS_OK)
+        return status;
+    uint32_t gpu_count = 0;
+    for (size_t i = 0; i < count; i++)
+        gpu_count += !infos[i].is_cpu;
+    render->renderers = calloc(count, sizeof(*render->renderers));
+    if (render->renderers == NULL)
+        return status_fail(STATUS_NO_MEMORY, "no memory for %zu devices", count);
+    for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+        status = renderer_open(&render->renderers[i], &infos[i], settings,
+                               infos[i].is_cpu ? gpu_count : 0);
+        render->renderer_count += status == STATUS_OK;
+    }
+    return status;
+}
+
+// Plans what each device takes, and makes the canvas.
+static enum status plan(struct render *render, const struct camera *camera)
+{
+    struct lk_render_info *info = render->info;
+    enum status status = canvas_create(&render->canvas, camera->width, camera->height);
+    for (size_t i = 0; i < render->renderer_count && status == STATUS_OK; i++) {
+        struct renderer *r = &render->renderers[i];
+        struct lk_scene_info described;
+        r->camera = *camera;
+        r->chosen.width = camera->width;
+        r->chosen.height = camera->height;
+        status = plan_memory(&described, &r->chosen, render->scene, camera, &r->gpu.info);
+        if (status != STATUS_OK)
+            return status;
+        info->scene = i == 0 ? described : info->scene;
+        struct lk_device_share *share = &info->devices[info->device_count++];
+        engine_describe_device(&share->info, &r->gpu.info);
+        share->trace = r->chosen.trace;
+        share->bvh = r->chosen.bvh;
+        share->textures = r->chosen.textures;
+        share->queue = r->chosen.queue;
+        share->memory = described.memory.total_device;
+    }
+    info->settings = render->renderers[0].chosen;
+    info->device = info->devices[0].info;
+    return status;
+}
+
+// Everything up to what each device does for itself.
+static enum status begin(struct render *render, struct lk_scene *scene)
+{
+    struct lk_settings *settings = &render->info->settings;
     struct lk_progress progress = {.stage = "preparing", .remaining_s = -1.0};
+    struct camera camera;
+    unsigned layouts = 0;
     enum status status = settings_check(settings);
     settings_choose_sampler(settings);
     if (status == STATUS_OK)
-        status = render_report(hook, &progress);
+        status = render_report(render->hook, &progress);
     if (status == STATUS_OK)
-        status = gpu_open(&r->gpu, settings->device, settings->profile);
+        status = open_devices(render);
+    for (size_t i = 0; i < render->renderer_count; i++)
+        layouts |= 1u << render->renderers[i].chosen.bvh;
+    if (status == STATUS_OK)
+        status = prepare_scene(scene, settings, layouts);
+    if (status == STATUS_OK)
+        status = camera_build(&camera, &scene->scene, &scene->prepared.geometry, settings->camera,
+                              settings->width, settings->height);
+    if (status == STATUS_OK)
+        status = plan(render, &camera);
     if (status != STATUS_OK)
         return status;
-    engine_describe_device(&info->device, &r->gpu.info);
-    settings_choose_variants(settings, &r->gpu.info);
-    status = settings_check_device(settings, &r->gpu);
-    if (status == STATUS_OK)
-        status = prepare_scene(scene, settings);
-    if (status == STATUS_OK)
-        status = camera_build(&r->camera, &scene->scene, &scene->prepared.geometry,
-                              settings->camera, settings->width, settings->height);
-    if (status != STATUS_OK)
-        return status;
-
-    settings->width = r->camera.width;
-    settings->height = r->camera.height;
-    info->time_s.import = scene->import_s;
-    info->time_s.prepare = prepared_seconds(scene);
+    render->info->time_s.import = scene->import_s;
+    render->info->time_s.prepare = prepared_seconds(scene);
     progress.stage = "building kernels";
-    progress.elapsed_s = clock_seconds() - r->start_s;
-    status = plan_memory(info, scene, r);
-    if (status == STATUS_OK)
-        status = render_report(hook, &progress);
-    if (status == STATUS_OK)
-        status = set_up(r, info, scene);
-    return status;
+    progress.elapsed_s = clock_seconds() - render->start_s;
+    return render_report(render->hook, &progress);
 }
 
 enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene,
                          const struct lk_settings *settings, const struct lk_progress_hook *hook)
 {
-    struct renderer renderer = {.start_s = clock_seconds()};
     struct lk_render_info info = {.settings = *settings};
+    struct render render = {
+        .scene = scene, .info = &info, .hook = hook, .start_s = clock_seconds()};
     *out = NULL;
 
-    enum status status = begin(&renderer, &info, scene, hook);
+    enum status status = begin(&render, scene);
     if (status == STATUS_OK)
-        status = render_paths(&renderer, &info, hook);
-    if (status == STATUS_OK ||
-        (status == STATUS_CANCELLED && sequence_paths(&renderer.sequence) > 0)) {
-        const enum status taken = take_image(out, &renderer, &info);
+        status = render_paths(&render);
+    if (status == STATUS_OK || (status == STATUS_CANCELLED && info.paths > 0)) {
+        const enum status taken = take_image(out, &render, &info);
         status = taken != STATUS_OK ? taken : status;
     }
-    renderer_free(&renderer);
+    render_free(&render);
     return (enum lk_status)status;
 }

@@ -21,8 +21,8 @@
 struct bvh_request {
     float split_threshold;
     uint32_t leaf_size;
-    enum lk_bvh layout;
     enum lk_bvh_build build;
+    bool binary, wide; // the layouts it is packed into
 };
 
 /** What prep/ makes of a scene, each part once for as long as its settings stay. All zero: not
@@ -33,8 +33,8 @@ struct prepared {
     struct material_set materials;
     bool ready; // those above
 
-    struct packed_bvh bvh; // empty if the layout is wide,
-    struct wide_bvh wide;  // else this is
+    struct packed_bvh bvh; // empty unless that layout is asked for
+    struct wide_bvh wide;  // the same
     uint32_t reference_count;
     struct bvh_request bvh_request;
 

@@ -29,7 +29,7 @@ enum status prepare_geometry(struct lk_scene *scene)
     return STATUS_OK;
 }
 
-// Builds a tree and packs it into the layout asked for; the other is left empty.
+// Builds a tree and packs it into the layouts asked for.
 static enum status build_bvh(struct prepared *out, const struct geometry *geometry,
                              const struct scene_material *materials)
 {
@@ -42,9 +42,9 @@ static enum status build_bvh(struct prepared *out, const struct geometry *geomet
         status = bvh_build(&bvh, refs, ref_count, request->leaf_size);
     else if (status == STATUS_OK)
         status = sbvh_build(&bvh, refs, ref_count, geometry, request->leaf_size);
-    if (status == STATUS_OK && request->layout == LK_BVH_WIDE)
+    if (status == STATUS_OK && request->wide)
         status = wide_bvh_pack(&out->wide, &bvh, refs, geometry, materials);
-    else if (status == STATUS_OK)
+    if (status == STATUS_OK && request->binary)
         status = bvh_pack(&out->bvh, &bvh, refs, geometry, materials);
     out->reference_count = bvh.ref_count;
     bvh_free(&bvh);
@@ -52,21 +52,32 @@ static enum status build_bvh(struct prepared *out, const struct geometry *geomet
     return status;
 }
 
+// Whether what was built for one request serves another.
+static bool serves(const struct bvh_request *built, const struct bvh_request *asked)
+{
+    return built->split_threshold == asked->split_threshold &&
+           built->leaf_size == asked->leaf_size && built->build == asked->build &&
+           built->binary >= asked->binary && built->wide >= asked->wide;
+}
+
 static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
-                               const struct lk_settings *settings)
+                               const struct lk_settings *settings, unsigned layouts)
 {
     struct prepared made = {.bvh_request = {
                                 .split_threshold = settings->split_threshold,
                                 .leaf_size = settings->leaf_size,
-                                .layout = settings->bvh,
                                 .build = settings->bvh_build,
+                                .binary = (layouts >> LK_BVH_BINARY & 1) != 0,
+                                .wide = (layouts >> LK_BVH_WIDE & 1) != 0,
                             }};
-    if (memcmp(&made.bvh_request, &p->bvh_request, sizeof(made.bvh_request)) == 0)
+    if (serves(&p->bvh_request, &made.bvh_request))
         return STATUS_OK;
     const double start = clock_seconds();
     const enum status status = build_bvh(&made, &p->geometry, scene->materials);
-    if (status != STATUS_OK)
+    if (status != STATUS_OK) {
+        wide_bvh_free(&made.wide);
         return status;
+    }
     wide_bvh_free(&p->wide);
     packed_bvh_free(&p->bvh);
     p->bvh = made.bvh;
@@ -150,14 +161,15 @@ void surroundings_free(struct surroundings *surroundings)
     *surroundings = (struct surroundings){0};
 }
 
-enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings)
+enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings,
+                          unsigned layouts)
 {
     struct prepared *p = &scene->prepared;
     enum status status = prepare_surroundings(&scene->surroundings, &scene->scene, settings);
     if (status == STATUS_OK)
         status = prepare_geometry(scene);
     if (status == STATUS_OK)
-        status = prepare_bvh(p, &scene->scene, settings);
+        status = prepare_bvh(p, &scene->scene, settings, layouts);
     if (status == STATUS_OK)
         status = prepare_lights(p, settings->light_sampler);
     return status;
@@ -181,13 +193,15 @@ double prepared_seconds(const struct lk_scene *scene)
     return p->geometry_s + p->bvh_s + p->lights_s + scene->surroundings.seconds;
 }
 
-struct upload_source prepared_source(const struct lk_scene *scene)
+struct upload_source prepared_source(const struct lk_scene *scene, enum lk_bvh layout)
 {
+    static const struct packed_bvh no_binary;
+    static const struct wide_bvh no_wide;
     const struct prepared *prepared = &scene->prepared;
     const struct upload_source source = {
         .geometry = &prepared->geometry,
-        .bvh = &prepared->bvh,
-        .wide = &prepared->wide,
+        .bvh = layout == LK_BVH_BINARY ? &prepared->bvh : &no_binary,
+        .wide = layout == LK_BVH_WIDE ? &prepared->wide : &no_wide,
         .emitters = &prepared->emitters,
         .environment = &scene->surroundings.environment,
         .light_tree = &prepared->light_tree,

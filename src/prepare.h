@@ -13,10 +13,12 @@
  * Prepares a scene and its surroundings for these settings: what has not been done for them yet.
  * Fails as the modules of prep/ do.
  *
- * @param settings  split_threshold, leaf_size, bvh (not auto), bvh_build, light_sampler (not
- *                  auto) and what makes the environment are looked at.
+ * @param settings  split_threshold, leaf_size, bvh_build, light_sampler (not auto) and what makes
+ *                  the environment are looked at.
+ * @param layouts   1 << LK_BVH_BINARY, 1 << LK_BVH_WIDE, or both: of the BVH.
  */
-enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings);
+enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings,
+                          unsigned layouts);
 
 /** Prepares only what depends on no setting: triangles, lights, materials. */
 enum status prepare_geometry(struct lk_scene *scene);
@@ -28,7 +30,7 @@ void surroundings_free(struct surroundings *surroundings);
 /** Seconds that it took to prepare what there is. */
 double prepared_seconds(const struct lk_scene *scene);
 
-/** What upload() is to take. */
-struct upload_source prepared_source(const struct lk_scene *scene);
+/** What upload() is to take, with the BVH in one layout, not auto, that was prepared. */
+struct upload_source prepared_source(const struct lk_scene *scene, enum lk_bvh layout);
 
 #endif

@@ -4,13 +4,9 @@
 #include <stdlib.h>
 
 #include "core/clock.h"
+#include "share.h"
 
-#define BATCH_SECONDS  0.15   // aim for one batch: no launch in it can last longer
-#define FIRST_PATHS    1024u  // paths of the first batch: it finds out how fast the device is,
-#define FIRST_RAYS     65536u // with at most so many shadow rays of a bounce
-#define PATHS_MIN      32u    // least batch, for hits that look at thousands of lights
-#define PROGRESS_EVERY 0.1    // seconds between calls of the hook
-#define PATHS_STEP     1024u  // batches are whole tiles of the Z-order, for coherence
+#define PROGRESS_EVERY 0.1 // seconds between calls of the hook
 
 enum status render_report(const struct lk_progress_hook *hook, const struct lk_progress *progress)
 {
@@ -19,155 +15,126 @@ enum status render_report(const struct lk_progress_hook *hook, const struct lk_p
     return status_fail(STATUS_CANCELLED, "cancelled while %s", progress->stage);
 }
 
-// Where a render stands.
-struct pace {
-    uint64_t total;       // paths to do; UINT64_MAX: until the time is up
-    uint32_t batch_paths; // of the next batch
-    uint64_t paths_timed; // finished since the first batch
-    double start_s;       // when the second batch began: the first waits for kernels to be compiled
-    double next_report_s;
-    struct counters *counters; // [bounce_count] read back after each batch
-};
-
-static uint64_t pixel_count(const struct renderer *renderer)
+enum status render_progress(const struct render *render, const struct render_state *state)
 {
-    return (uint64_t)renderer->camera.width * renderer->camera.height;
-}
-
-// Enqueues one batch, waits for it, and counts its rays.
-static enum status render_batch(struct renderer *r, struct lk_render_info *info, struct pace *pace)
-{
-    const struct batch batch = sequence_batch(&r->sequence, pace->batch_paths);
-    enum status status = pipeline_enqueue(&r->pipeline, &r->gpu, &r->scene, &r->wavefront, &batch,
-                                          r->settings.depth);
-    if (status == STATUS_OK)
-        status = film_enqueue(&r->film, &r->gpu, &r->wavefront, &batch);
-    if (status == STATUS_OK)
-        status = buffer_read(&r->gpu, &r->wavefront.counters, pace->counters,
-                             r->wavefront.bounce_count * sizeof(*pace->counters));
-    if (status != STATUS_OK)
-        return status;
-
-    sequence_advance(&r->sequence, &batch);
-    info->rays_camera += batch.count;
-    for (uint32_t i = 0; i < r->wavefront.bounce_count; i++) {
-        info->rays_indirect += i > 0 ? pace->counters[i].active : 0;
-        info->rays_shadow += pace->counters[i].shadow_rays + pace->counters[i].directional_rays;
-        info->rays_directional += pace->counters[i].directional_rays;
-    }
-    return STATUS_OK;
-}
-
-// Sets the size of the next batch by how long the last one took.
-static void adapt(struct pace *pace, const struct renderer *r, double seconds)
-{
-    const double ratio = seconds > 0.0 ? BATCH_SECONDS / seconds : 2.0;
-    double paths = pace->batch_paths * fmin(ratio, 4.0);
-    paths = fmin(fmax(paths, PATHS_MIN), r->wavefront.capacity);
-    const uint32_t whole = (uint32_t)paths / PATHS_STEP * PATHS_STEP;
-    pace->batch_paths = whole > 0 ? whole : (uint32_t)paths;
-    if (pace->batch_paths == 0)
-        pace->batch_paths = 1;
-}
-
-static enum status report(const struct renderer *r, const struct lk_render_info *info,
-                          const struct lk_progress_hook *hook, struct pace *pace)
-{
-    const double now = clock_seconds();
-    if (now < pace->next_report_s && !sequence_ended(&r->sequence))
-        return STATUS_OK;
-    pace->next_report_s = now + PROGRESS_EVERY;
-    const uint64_t paths = sequence_paths(&r->sequence);
-
-    const double seconds = now - pace->start_s;
-    const double limit_s = info->settings.time_s;
-    const double by_paths = pace->total != UINT64_MAX ? (double)paths / (double)pace->total : 0.0;
+    const struct lk_settings *settings = &render->info->settings;
+    const uint64_t pixels = (uint64_t)render->canvas.width * render->canvas.height;
+    const double total = settings->spp > 0 ? (double)settings->spp * (double)pixels : INFINITY;
+    const double limit_s = settings->time_s;
+    const double seconds = state->seconds;
     const double by_time = limit_s > 0.0 ? fmin(seconds / limit_s, 1.0) : 0.0;
     double remaining = -1.0;
-    if (pace->total != UINT64_MAX && pace->paths_timed > 0)
-        remaining = (double)(pace->total - paths) * seconds / (double)pace->paths_timed;
+    if (isfinite(total) && state->timed_paths > 0)
+        remaining = (total - (double)state->paths) * seconds / (double)state->timed_paths;
     if (limit_s > 0.0 && (remaining < 0.0 || limit_s - seconds < remaining))
         remaining = fmax(limit_s - seconds, 0.0);
-    const uint64_t rays = info->rays_camera + info->rays_indirect + info->rays_shadow;
-    const double share = paths > 0 ? (double)pace->paths_timed / (double)paths : 0;
+    const struct ray_counts *rays = &state->rays;
+    const double share = state->paths > 0 ? (double)state->timed_paths / (double)state->paths : 0.0;
     const struct lk_progress progress = {
         .stage = "rendering",
-        .fraction = fmax(by_paths, by_time),
-        .elapsed_s = now - r->start_s,
+        .fraction = fmax((double)state->paths / total, by_time),
+        .elapsed_s = clock_seconds() - render->start_s,
         .remaining_s = remaining,
-        .spp = (double)paths / (double)pixel_count(r),
-        .mrays_per_s = seconds > 0.0 ? (double)rays * share / seconds * 1e-6 : 0.0,
+        .spp = (double)state->paths / (double)pixels,
+        .mrays_per_s = seconds > 0.0 ? (double)(rays->camera + rays->indirect + rays->shadow) *
+                                           share / seconds * 1e-6
+                                     : 0.0,
     };
-    return render_report(hook, &progress);
+    return render_report(render->hook, &progress);
 }
 
 // Goes from batch to batch until a limit is met.
-static enum status render_batches(struct renderer *r, struct lk_render_info *info,
-                                  const struct lk_progress_hook *hook, struct pace *pace)
+static enum status render_batches(struct render *render, struct sequence *sequence)
 {
-    // The first batch also waits for kernels that are compiled when first launched, as PoCL's are.
+    struct lk_render_info *info = render->info;
+    struct renderer *r = &render->renderers[0];
+
+    // The first batch counts as building.
     const double begin = clock_seconds();
-    enum status status = render_batch(r, info, pace);
-    if (status != STATUS_OK)
-        return status;
-    double last = clock_seconds();
-    info->time_s.kernel_build += last - begin;
-    pace->start_s = last;
+    enum status status = renderer_batch(r, sequence, false);
+    const double start = clock_seconds();
+    r->build_s += start - begin;
 
     const double limit_s = info->settings.time_s;
-    while (!sequence_ended(&r->sequence) && !(limit_s > 0.0 && last - pace->start_s >= limit_s)) {
-        const uint64_t before = sequence_paths(&r->sequence);
-        status = render_batch(r, info, pace);
+    double next_report = 0.0;
+    struct render_state state = {.paths = sequence_paths(sequence)};
+    const uint64_t untimed = state.paths;
+    while (status == STATUS_OK && !sequence_ended(sequence) &&
+           !(limit_s > 0.0 && state.seconds >= limit_s)) {
+        status = renderer_batch(r, sequence, true);
         if (status != STATUS_OK)
             return status;
         const double now = clock_seconds();
-        adapt(pace, r, now - last);
-        pace->paths_timed += sequence_paths(&r->sequence) - before;
-        last = now;
-        status = report(r, info, hook, pace);
-        if (status != STATUS_OK)
-            return status;
+        state.seconds = now - start;
+        state.paths = sequence_paths(sequence);
+        state.timed_paths = state.paths - untimed;
+        state.rays = r->rays;
+        if (now < next_report && !sequence_ended(sequence))
+            continue;
+        next_report = now + PROGRESS_EVERY;
+        status = render_progress(render, &state);
     }
-    return STATUS_OK;
-}
-
-// The size of the first batch: small, so that a slow device is found out before a launch is long.
-static uint32_t first_batch(const struct renderer *r, const struct lk_settings *settings)
-{
-    const uint32_t rays =
-        settings->light_sampler == LK_LIGHTS_ALL ? r->settings.light_count : settings->shadow_rays;
-    uint32_t paths = rays > FIRST_RAYS / FIRST_PATHS ? FIRST_RAYS / rays : FIRST_PATHS;
-    paths = paths < PATHS_MIN ? PATHS_MIN : paths;
-    return paths < r->wavefront.capacity ? paths : r->wavefront.capacity;
-}
-
-enum status render_paths(struct renderer *renderer, struct lk_render_info *info,
-                         const struct lk_progress_hook *hook)
-{
-    const struct lk_settings *settings = &info->settings;
-    struct pace pace = {
-        .total = settings->spp > 0 ? settings->spp * pixel_count(renderer) : UINT64_MAX,
-        .batch_paths = first_batch(renderer, settings),
-        .counters = calloc(renderer->wavefront.bounce_count, sizeof(struct counters)),
-    };
-    if (pace.counters == NULL)
-        return status_fail(STATUS_NO_MEMORY, "no memory for counters");
-    sequence_begin(&renderer->sequence, (uint32_t)pixel_count(renderer), settings->spp);
-    const double begin = clock_seconds();
-    const double build_s = info->time_s.kernel_build;
-    const enum status status = render_batches(renderer, info, hook, &pace);
-    info->time_s.render = clock_seconds() - begin - (info->time_s.kernel_build - build_s);
-    info->paths = sequence_paths(&renderer->sequence);
-    info->spp = (double)info->paths / (double)pixel_count(renderer);
-    free(pace.counters);
+    info->time_s.render = clock_seconds() - start;
     return status;
 }
 
-void renderer_free(struct renderer *renderer)
+// The whole picture on one device.
+static enum status render_alone(struct render *render)
 {
-    film_free(&renderer->gpu, &renderer->film);
-    pipeline_free(&renderer->pipeline);
-    wavefront_free(&renderer->gpu, &renderer->wavefront);
-    device_scene_free(&renderer->gpu, &renderer->scene);
-    gpu_close(&renderer->gpu);
+    struct renderer *r = &render->renderers[0];
+    const uint32_t spp = render->info->settings.spp;
+    const struct span whole = {
+        .pixel_count = render->canvas.width * render->canvas.height,
+        .end_sample = spp > 0 ? spp : UINT64_MAX,
+    };
+    struct sequence sequence;
+    sequence_begin(&sequence, &whole, true);
+    enum status status = renderer_set_up(r, render->scene);
+    if (status == STATUS_OK)
+        status = film_begin(&r->film, &r->gpu, &render->canvas, &whole);
+    if (status != STATUS_OK)
+        return status;
+    status = render_batches(render, &sequence);
+    if (status != STATUS_OK && status != STATUS_CANCELLED)
+        return status;
+    const enum status ended = film_end(&r->film, &r->gpu, &render->canvas, &sequence);
+    return ended != STATUS_OK ? ended : status;
+}
+
+// Adds up what the devices did.
+static void count_work(struct render *render)
+{
+    struct lk_render_info *info = render->info;
+    for (size_t i = 0; i < render->renderer_count; i++) {
+        const struct renderer *r = &render->renderers[i];
+        info->rays_camera += r->rays.camera;
+        info->rays_indirect += r->rays.indirect;
+        info->rays_shadow += r->rays.shadow;
+        info->rays_directional += r->rays.directional;
+        info->kernels_from_source += r->built;
+        info->time_s.upload = fmax(info->time_s.upload, r->upload_s);
+        info->time_s.kernel_build = fmax(info->time_s.kernel_build, r->build_s);
+        info->devices[i].paths = r->rays.camera;
+        info->devices[i].busy_s = render->renderer_count > 1 ? r->busy_s : info->time_s.render;
+    }
+    info->paths = canvas_paths(&render->canvas);
+    info->spp =
+        (double)info->paths / ((double)render->canvas.width * (double)render->canvas.height);
+}
+
+enum status render_paths(struct render *render)
+{
+    const enum status status =
+        render->renderer_count > 1 ? share_paths(render) : render_alone(render);
+    count_work(render);
+    return status;
+}
+
+void render_free(struct render *render)
+{
+    for (size_t i = 0; i < render->renderer_count; i++)
+        renderer_free(&render->renderers[i]);
+    free(render->renderers);
+    canvas_free(&render->canvas);
+    *render = (struct render){0};
 }

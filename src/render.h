@@ -1,6 +1,7 @@
 /**
  * @file
- * The loop over batches of paths: how many at a time, when to stop, what to tell while it runs.
+ * A render: on one device, or shared among several; how it goes on, when it stops, what is told
+ * while it runs.
  */
 #ifndef RENDER_H
 #define RENDER_H
@@ -9,39 +10,42 @@
 
 #include "core/status.h"
 #include "engine.h"
-#include "film/film.h"
-#include "pipeline/pipeline.h"
+#include "film/canvas.h"
+#include "renderer.h"
 
-/** Everything a render holds on its device. All zero is a valid empty one. */
-struct renderer {
-    struct gpu gpu;
-    struct device_scene scene;
-    struct wavefront wavefront;
-    struct pipeline pipeline;
-    struct film film;
-    struct settings settings; // of the kernels
-    struct camera camera;
-    struct sequence sequence; // where it stands
-    double start_s;           // when lk_render() was called, clock_seconds()
+/** All zero is a valid empty one. */
+struct render {
+    const struct lk_scene *scene; // prepared
+    struct lk_render_info *info;
+    const struct lk_progress_hook *hook; // NULL: none
+    struct renderer *renderers;          // [renderer_count], opened; owned
+    size_t renderer_count;
+    struct canvas canvas;
+    double start_s; // when lk_render() was called, clock_seconds()
+};
+
+/** How far a render has come. */
+struct render_state {
+    uint64_t paths;       // finished
+    uint64_t timed_paths; // those finished within `seconds`
+    double seconds;       // of rendering
+    struct ray_counts rays;
 };
 
 /**
  * Renders until a limit of the settings is met or the hook says no.
  *
- * The sequence of paths (film/sequence.h) is cut into batches of as many paths as the device
- * finishes in BATCH_SECONDS, so that no launch comes near a watchdog and a cancel is heard soon.
- * Nothing in the result depends on the cuts.
- *
- * @param info  rays, paths, spp, times of render and kernel_build are added.
- * @retval STATUS_CANCELLED  The hook returned false; what was finished counts.
+ * @retval STATUS_CANCELLED  The hook returned false; what was finished is on the canvas.
  */
-enum status render_paths(struct renderer *renderer, struct lk_render_info *info,
-                         const struct lk_progress_hook *hook);
+enum status render_paths(struct render *render);
 
-/** Calls the hook. STATUS_CANCELLED if it says no. */
+/** Calls the hook, if there is one. STATUS_CANCELLED if it says no. */
 enum status render_report(const struct lk_progress_hook *hook, const struct lk_progress *progress);
 
+/** Tells the hook how far the rendering has come. */
+enum status render_progress(const struct render *render, const struct render_state *state);
+
 /** Releases everything. */
-void renderer_free(struct renderer *renderer);
+void render_free(struct render *render);
 
 #endif

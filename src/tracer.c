@@ -95,10 +95,11 @@ static enum status upload_solid(struct lk_tracer *t, const struct lk_scene *scen
     static const struct light_tree no_tree;
     static const struct light_bvh no_bvh;
     static const struct material_set no_materials;
+    const struct upload_source prepared = prepared_source(scene, t->info.settings.bvh);
     const struct upload_source source = {
         .geometry = &no_geometry,
-        .bvh = &scene->prepared.bvh,
-        .wide = &scene->prepared.wide,
+        .bvh = prepared.bvh,
+        .wide = prepared.wide,
         .emitters = &no_emitters,
         .environment = &no_environment,
         .light_tree = &no_tree,
@@ -139,17 +140,21 @@ static enum status set_up(struct lk_tracer *t, struct lk_scene *scene)
 static enum status begin(struct lk_tracer *t, struct lk_scene *scene)
 {
     struct lk_settings *settings = &t->info.settings;
+    struct gpu_info device;
+    size_t device_count = 0;
     settings->light_sampler = LK_LIGHTS_UNIFORM; // needs no preparation
     enum status status = settings_check(settings);
     if (status == STATUS_OK)
-        status = gpu_open(&t->gpu, settings->device, false);
+        status = gpu_select(&device, &device_count, 1, settings->device);
+    if (status == STATUS_OK)
+        status = gpu_open(&t->gpu, &device, false, 0);
     if (status != STATUS_OK)
         return status;
     settings_choose_variants(settings, &t->gpu.info);
     engine_describe_device(&t->info.device, &t->gpu.info);
     status = settings_check_device(settings, &t->gpu);
     if (status == STATUS_OK)
-        status = prepare_scene(scene, settings);
+        status = prepare_scene(scene, settings, 1u << settings->bvh);
     if (status == STATUS_OK)
         status = camera_build(&t->camera, &scene->scene, &scene->prepared.geometry,
                               settings->camera, settings->width, settings->height);

@@ -56,7 +56,11 @@ int device_setup(void **state)
     static struct gpu gpu;
     const char *selector = getenv("LIGHTKILN_TEST_DEVICE");
     *state = NULL;
-    const enum status status = gpu_open(&gpu, selector, false);
+    struct gpu_info info;
+    size_t count = 0;
+    enum status status = gpu_select(&info, &count, 1, selector);
+    if (status == STATUS_OK)
+        status = gpu_open(&gpu, &info, false, 0);
     if (status == STATUS_OK) {
         *state = &gpu;
         return 0;

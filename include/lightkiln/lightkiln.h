@@ -240,7 +240,9 @@ struct lk_settings {
                             // a clear sky; elevation 0: no sky. Of env, background and sky at
                             // most one
     float sky_turbidity;    // haze of that sky, 2 .. 10; default 3
-    const char *device;     // "cpu", "gpu", "P:D", or part of a name; NULL: the best
+    const char *device;     // devices, with commas between: each takes the best that matches and
+                            // is not taken, of "cpu", "gpu", "P:D" or part of a name; "all" takes
+                            // every one. NULL: the best
     enum lk_trace trace;
     enum lk_bvh bvh;
     enum lk_bvh_build bvh_build;
@@ -277,7 +279,10 @@ struct lk_progress_hook {
 struct lk_image;
 
 /**
- * Renders. Equal scene, settings and device give equal bits.
+ * Renders. Equal scene, settings and device give equal bits. So do several devices of one kind, and
+ * the same bits as one of them: who does which part changes nothing. Devices of different kinds
+ * round differently, so that the picture may differ from run to run by what each makes of the same
+ * paths.
  *
  * @param[out] out  Written on LK_OK and on LK_CANCELLED (then with what was finished, if anything
  * was, else NULL).
@@ -301,13 +306,30 @@ struct lk_kernel_time {
 };
 
 #define LK_KERNELS_MAX 32
+#define LK_DEVICES_MAX 16
+
+/** One device's part of a render. */
+struct lk_device_share {
+    struct lk_device_info info; // compute_units: those it used
+    enum lk_trace trace;        // as chosen for it
+    enum lk_bvh bvh;
+    enum lk_textures textures;
+    uint32_t queue;
+    uint64_t memory; // bytes it takes there
+    uint64_t paths;  // that it finished
+    double busy_s;   // rendering them took
+};
 
 /** What a render did. Times in seconds. */
 struct lk_render_info {
     struct lk_scene_info scene; // file is borrowed from the image
     struct lk_settings
         settings; // with every default filled in; strings are borrowed from the image
-    struct lk_device_info device;
+    struct lk_device_info device; // the first of
+    uint32_t device_count;        // those that took part;
+    struct lk_device_share devices[LK_DEVICES_MAX];
+    // With several devices, upload and kernel_build are those of the slowest, and render begins
+    // when the first is ready.
     struct {
         double import, prepare, upload, kernel_build, render, total;
     } time_s;

@@ -14,9 +14,10 @@ struct batch {
     uint first;        // place of slot 0 in its pass, < pixel_count << sample_shift
     uint first_sample; // first sample number of that pass
     uint count;        // slots in use
-    uint pixel_count;  // pixels of the image
+    uint pixel_count;  // pixels of a pass: the image's, or a span's
     uint sample_shift; // log2 of the samples in a pass; the passes of a batch are alike
-    uint pad0, pad1, pad2;
+    uint first_pixel;  // of these pixels, in the image's Z-order
+    uint pad0, pad1;
 };
 SHARED_SIZE(batch, 32);
 
@@ -33,7 +34,7 @@ static inline struct path_place batch_place(const struct batch batch, const uint
     const uint pass = in_batch / pass_size;
     const uint in_pass = in_batch - pass * pass_size;
     struct path_place place;
-    place.pixel = in_pass >> batch.sample_shift;
+    place.pixel = batch.first_pixel + (in_pass >> batch.sample_shift);
     place.sample = batch.first_sample + (pass << batch.sample_shift) +
                    (in_pass & ((1u << batch.sample_shift) - 1u));
     return place;

@@ -1,4 +1,8 @@
 #include "cli/commands.h"
+
+#include <stdio.h>
+#include <string.h>
+
 #include "cli/progress.h"
 #include "core/file.h"
 
@@ -42,14 +46,32 @@ static void print_profile(const struct lk_render_info *info)
     printf("%-20s %10s %12.4f %6.1f %%\n", "all kernels", "", total_s, 100.0);
 }
 
-// One line: what was made, and how fast.
+// "a GPU", "a GPU (96 %) and a CPU (4 %)"
+static void format_devices(char *text, size_t size, const struct lk_render_info *info)
+{
+    text[0] = '\0';
+    for (uint32_t i = 0; i < info->device_count; i++) {
+        const struct lk_device_share *share = &info->devices[i];
+        const size_t used = strlen(text);
+        const char *between = i == 0 ? "" : i + 1 < info->device_count ? ", " : " and ";
+        if (info->device_count == 1)
+            snprintf(text, size, "%s", share->info.name);
+        else
+            snprintf(text + used, size - used, "%s%s (%.1f %%)", between, share->info.name,
+                     info->paths > 0 ? 100.0 * (double)share->paths / (double)info->paths : 0.0);
+    }
+}
+
+// One line: what was made, how fast, and on what.
 static void print_summary(const struct options *options, const struct lk_render_info *info)
 {
     const double seconds = info->time_s.render;
     const double rays = (double)(info->rays_camera + info->rays_indirect + info->rays_shadow);
+    char devices[2560];
+    format_devices(devices, sizeof(devices), info);
     fprintf(stderr, "lightkiln: %s: %u x %u, %.4g spp, %.2f s, %.2f Mrays/s, %s%s\n",
             options->output, info->settings.width, info->settings.height, info->spp, seconds,
-            seconds > 0.0 ? rays / seconds * 1e-6 : 0.0, info->device.name,
+            seconds > 0.0 ? rays / seconds * 1e-6 : 0.0, devices,
             progress_is_interrupted() ? " (interrupted)" : "");
 }
 

@@ -38,6 +38,9 @@ enum status buffer_write(struct gpu *gpu, const struct buffer *buffer, const voi
 
 enum status buffer_read(struct gpu *gpu, const struct buffer *buffer, void *out, size_t size)
 {
+    const enum status status = gpu_wait(gpu);
+    if (status != STATUS_OK)
+        return status;
     const cl_int error =
         clEnqueueReadBuffer(gpu->queue, buffer->handle, CL_TRUE, 0, size, out, 0, NULL, NULL);
     return error == CL_SUCCESS ? STATUS_OK : gpu_fail(error, "clEnqueueReadBuffer", gpu->info.name);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -82,9 +83,8 @@ static void describe(struct gpu_info *out, cl_platform_id platform, cl_device_id
 
 // One device on one platform.
 struct candidate {
-    cl_platform_id platform;
-    cl_device_id device;
     struct gpu_info info;
+    bool taken; // by a word of the list
 };
 
 // Finds every device; returns how many, at most `max`.
@@ -108,8 +108,6 @@ static size_t find_all(struct candidate *out, size_t max)
             device_count = DEVICE_MAX;
         for (cl_uint d = 0; d < device_count && count < max; d++) {
             struct candidate *found = &out[count++];
-            found->platform = platforms[p];
-            found->device = devices[d];
             describe(&found->info, platforms[p], devices[d]);
             found->info.platform_index = p;
             found->info.device_index = d;
@@ -144,7 +142,7 @@ static bool contains(const char *text, const char *part)
 
 static bool matches(const struct gpu_info *info, const char *selector)
 {
-    if (selector == NULL || strcmp(selector, "best") == 0)
+    if (strcmp(selector, "best") == 0 || strcmp(selector, "all") == 0)
         return true;
     if (strcmp(selector, "cpu") == 0 || strcmp(selector, "gpu") == 0)
         return strcmp(info->type, selector) == 0;
@@ -165,27 +163,29 @@ static uint64_t rank(const struct gpu_info *info)
     return kind << 32 | info->compute_units;
 }
 
-static const struct candidate *choose(const struct candidate *found, size_t count,
-                                      const char *selector, const struct candidate **unusable)
+// The best of those that match and are not taken.
+static struct candidate *choose(struct candidate *found, size_t count, const char *word)
 {
-    const struct candidate *best = NULL;
-    for (size_t i = 0; i < count; i++) {
-        if (!matches(&found[i].info, selector))
-            continue;
-        if (!found[i].info.usable)
-            *unusable = &found[i];
-        else if (best == NULL || rank(&found[i].info) > rank(&best->info))
+    struct candidate *best = NULL;
+    for (size_t i = 0; i < count; i++)
+        if (!found[i].taken && found[i].info.usable && matches(&found[i].info, word) &&
+            (best == NULL || rank(&found[i].info) > rank(&best->info)))
             best = &found[i];
-    }
     return best;
 }
 
-static enum status fail_to_choose(const struct candidate *found, size_t count, const char *selector,
-                                  const struct candidate *unusable)
+static enum status fail_to_choose(const struct candidate *found, size_t count, const char *word)
 {
     if (count == 0)
         return status_fail(STATUS_NO_DEVICE, "there is no OpenCL device; install a driver, or "
                                              "pocl-opencl-icd to render on the CPU");
+    size_t taken = 0;
+    const struct candidate *unusable = NULL;
+    for (size_t i = 0; i < count; i++)
+        if (matches(&found[i].info, word)) {
+            taken += found[i].taken;
+            unusable = found[i].info.usable ? unusable : &found[i];
+        }
     if (unusable != NULL)
         return status_fail(STATUS_NO_DEVICE, "device \"%s\" %s", unusable->info.name,
                            unusable->info.reason);
@@ -194,28 +194,100 @@ static enum status fail_to_choose(const struct candidate *found, size_t count, c
         used += (size_t)snprintf(list + used, sizeof(list) - used, "%s%u:%u \"%s\"",
                                  i > 0 ? ", " : "", found[i].info.platform_index,
                                  found[i].info.device_index, found[i].info.name);
-    return status_fail(STATUS_NO_DEVICE, "no device matches \"%s\"; there are %s", selector, list);
+    return status_fail(STATUS_NO_DEVICE, "no %sdevice matches \"%s\"; there are %s",
+                       taken > 0 ? "further " : "", word, list);
 }
 
-enum status gpu_open(struct gpu *out, const char *selector, bool profile)
+// Takes what one word of a list names.
+static enum status select_word(struct gpu_info *out, size_t *taken, size_t max,
+                               struct candidate *found, size_t count, const char *word)
 {
-    enum status status = STATUS_OK;
-    struct gpu gpu = {0};
-    cl_int error = CL_SUCCESS;
+    const bool all = strcmp(word, "all") == 0;
+    struct candidate *best = choose(found, count, word);
+    if (best == NULL)
+        return all && *taken > 0 ? STATUS_OK : fail_to_choose(found, count, word);
+    for (; best != NULL; best = all ? choose(found, count, word) : NULL) {
+        if (*taken == max)
+            return status_fail(STATUS_USAGE,
+                               "\"%s\" is one more than the %zu device%s that can be "
+                               "taken",
+                               word, max, max == 1 ? "" : "s");
+        best->taken = true;
+        out[(*taken)++] = best->info;
+    }
+    return STATUS_OK;
+}
+
+enum status gpu_select(struct gpu_info *out, size_t *count, size_t max, const char *list)
+{
+    const char *at = list != NULL ? list : "best";
+    size_t taken = 0;
     struct candidate *found = calloc(PLATFORM_MAX * DEVICE_MAX, sizeof(*found));
     if (found == NULL)
         return status_fail(STATUS_NO_MEMORY, "no memory to list devices");
+    const size_t found_count = find_all(found, PLATFORM_MAX * DEVICE_MAX);
 
-    const size_t count = find_all(found, PLATFORM_MAX * DEVICE_MAX);
-    const struct candidate *unusable = NULL;
-    const struct candidate *best = choose(found, count, selector, &unusable);
-    if (best == NULL) {
-        status = fail_to_choose(found, count, selector, unusable);
-        goto cleanup;
+    enum status status = STATUS_OK;
+    while (status == STATUS_OK && at != NULL) {
+        char word[256];
+        const size_t size = strcspn(at, ",");
+        snprintf(word, sizeof(word), "%.*s", (int)size, at);
+        if (size == 0)
+            status = status_fail(STATUS_USAGE, "a device without a name in \"%s\"", list);
+        else
+            status = select_word(out, &taken, max, found, found_count, word);
+        at = at[size] == ',' ? at + size + 1 : NULL;
     }
-    gpu.info = best->info;
-    gpu.platform = best->platform;
-    gpu.device = best->device;
+    free(found);
+    if (status == STATUS_OK)
+        *count = taken;
+    return status;
+}
+
+// Finds the device that was chosen.
+static enum status find_device(struct gpu *gpu, const struct gpu_info *info)
+{
+    cl_platform_id platforms[PLATFORM_MAX];
+    cl_device_id devices[DEVICE_MAX];
+    cl_uint platform_count = 0;
+    cl_uint device_count = 0;
+    if (clGetPlatformIDs(PLATFORM_MAX, platforms, &platform_count) != CL_SUCCESS ||
+        info->platform_index >= platform_count ||
+        clGetDeviceIDs(platforms[info->platform_index], CL_DEVICE_TYPE_ALL, DEVICE_MAX, devices,
+                       &device_count) != CL_SUCCESS ||
+        info->device_index >= device_count)
+        return status_fail(STATUS_NO_DEVICE, "device \"%s\" is gone", info->name);
+    gpu->info = *info;
+    gpu->platform = platforms[info->platform_index];
+    gpu->device = devices[info->device_index];
+    return STATUS_OK;
+}
+
+// Takes a part of the device, if it can be had.
+static void leave_units(struct gpu *gpu, uint32_t spare_units)
+{
+    const uint32_t units = gpu->info.compute_units;
+    if (spare_units == 0 || units <= spare_units)
+        return;
+    const cl_device_partition_property properties[] = {CL_DEVICE_PARTITION_BY_COUNTS,
+                                                       units - spare_units,
+                                                       CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    cl_device_id part = NULL;
+    if (clCreateSubDevices(gpu->device, properties, 1, &part, NULL) != CL_SUCCESS)
+        return;
+    gpu->device = part;
+    gpu->info.compute_units = units - spare_units;
+}
+
+enum status gpu_open(struct gpu *out, const struct gpu_info *info, bool profile,
+                     uint32_t spare_units)
+{
+    struct gpu gpu = {0};
+    cl_int error = CL_SUCCESS;
+    enum status status = find_device(&gpu, info);
+    if (status != STATUS_OK)
+        return status;
+    leave_units(&gpu, spare_units);
 
     const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                                 (cl_context_properties)gpu.platform, 0};
@@ -240,7 +312,6 @@ enum status gpu_open(struct gpu *out, const char *selector, bool profile)
 
 cleanup:
     gpu_close(&gpu);
-    free(found);
     return status;
 }
 
@@ -253,7 +324,36 @@ void gpu_close(struct gpu *gpu)
         clReleaseCommandQueue(gpu->queue);
     if (gpu->context != NULL)
         clReleaseContext(gpu->context);
+    if (gpu->device != NULL)
+        clReleaseDevice(gpu->device); // counts for parts of devices alone
     *gpu = (struct gpu){0};
+}
+
+// Between looks at an event. Short beside a batch; each look takes some microseconds.
+#define LOOK_EVERY_NS 20000
+
+enum status gpu_wait(struct gpu *gpu)
+{
+    // PoCL sleeps by itself, and is woken at once.
+    cl_int error = CL_SUCCESS;
+    if (gpu->info.is_cpu) {
+        error = clFinish(gpu->queue);
+        return error == CL_SUCCESS ? STATUS_OK : gpu_fail(error, "clFinish", gpu->info.name);
+    }
+    cl_event end = NULL;
+    error = clEnqueueMarkerWithWaitList(gpu->queue, 0, NULL, &end);
+    if (error == CL_SUCCESS)
+        error = clFlush(gpu->queue);
+    cl_int state = CL_QUEUED;
+    while (error == CL_SUCCESS && state > CL_COMPLETE) {
+        nanosleep(&(const struct timespec){.tv_nsec = LOOK_EVERY_NS}, NULL);
+        error = clGetEventInfo(end, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof(state), &state, NULL);
+    }
+    if (end != NULL)
+        clReleaseEvent(end);
+    if (error == CL_SUCCESS && state < 0)
+        error = state;
+    return error == CL_SUCCESS ? STATUS_OK : gpu_fail(error, "waiting", gpu->info.name);
 }
 
 enum status gpu_flush(struct gpu *gpu)

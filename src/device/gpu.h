@@ -33,7 +33,7 @@ struct gpu_info {
 struct gpu {
     struct gpu_info info;
     struct _cl_platform_id *platform;
-    struct _cl_device_id *device;
+    struct _cl_device_id *device;    // owned if it is a part of one
     struct _cl_context *context;     // owned
     struct _cl_command_queue *queue; // in order; owned
     struct profile *profile;         // NULL: kernels are not timed; owned
@@ -55,19 +55,36 @@ struct profile_entry {
 enum status gpu_describe(struct gpu_info *out, size_t index);
 
 /**
- * Chooses and opens a device.
+ * Chooses devices.
  *
- * @param selector  NULL: the best (a GPU before an accelerator before a CPU, then by compute
- * units); "cpu", "gpu"; "P:D"; else part of a device's or platform's name, in any case.
- * @param profile   Time every kernel.
- * @retval STATUS_NO_DEVICE  None matches, or the one that does cannot be used; says which there
- * are.
- * @retval STATUS_DEVICE     It cannot be opened.
+ * @param[out] out    [max], in the order in which they are named; never one twice.
+ * @param[out] count  1 .. max.
+ * @param list        NULL: the best (a GPU before an accelerator before a CPU, then by compute
+ * units). Else words with commas between, each taking the best device that matches and is not
+ * taken: "best"; "cpu", "gpu"; "P:D"; part of a device's or platform's name, in any case. "all"
+ * takes every usable one that is left.
+ * @retval STATUS_NO_DEVICE  For some word none is left that matches, or the one that does cannot be
+ * used; says which there are.
+ * @retval STATUS_USAGE      A word is empty, or more than `max` are asked for.
  */
-enum status gpu_open(struct gpu *out, const char *selector, bool profile);
+enum status gpu_select(struct gpu_info *out, size_t *count, size_t max, const char *list);
+
+/**
+ * Opens a device.
+ *
+ * @param info         What gpu_select() has chosen.
+ * @param profile      Time every kernel.
+ * @param spare_units  Compute units to leave alone, if the device has more and can be parted.
+ * @retval STATUS_DEVICE  It cannot be opened.
+ */
+enum status gpu_open(struct gpu *out, const struct gpu_info *info, bool profile,
+                     uint32_t spare_units);
 
 /** Waits for the queue and closes. Safe on a closed one. */
 void gpu_close(struct gpu *gpu);
+
+/** Waits until the queue is empty: asleep, where a driver would have the host's core spin. */
+enum status gpu_wait(struct gpu *gpu);
 
 /** Sends what is queued to the device. */
 enum status gpu_flush(struct gpu *gpu);

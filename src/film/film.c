@@ -1,23 +1,16 @@
 #include "film/film.h"
 
-#include <stdlib.h>
-
-#include "shared/film.h"
-#include "shared/zorder.h"
-
 uint64_t film_pixel_size(void)
 {
     return sizeof(struct film_pixel);
 }
 
-enum status film_create(struct film *out, struct gpu *gpu, uint32_t width, uint32_t height,
+enum status film_create(struct film *out, struct gpu *gpu, uint32_t pixel_count,
                         const struct program_options *options)
 {
-    struct film film = {.width = width, .height = height};
-    const size_t size = (size_t)width * height * sizeof(struct film_pixel);
-    enum status status = buffer_create(&film.pixels, gpu, size, NULL, "film");
-    if (status == STATUS_OK)
-        status = buffer_clear(gpu, &film.pixels);
+    struct film film = {0};
+    enum status status =
+        buffer_create(&film.pixels, gpu, pixel_count * sizeof(struct film_pixel), NULL, "film");
     if (status == STATUS_OK)
         status = kernel_build(&film.kernel, gpu, "film", options, &film.built);
     if (status != STATUS_OK) {
@@ -26,6 +19,15 @@ enum status film_create(struct film *out, struct gpu *gpu, uint32_t width, uint3
     }
     *out = film;
     return STATUS_OK;
+}
+
+enum status film_begin(const struct film *film, struct gpu *gpu, const struct canvas *canvas,
+                       const struct span *span)
+{
+    if (span->first_sample == 0)
+        return buffer_clear(gpu, &film->pixels);
+    return buffer_write(gpu, &film->pixels, canvas->pixels + span->first_pixel,
+                        span->pixel_count * sizeof(struct film_pixel));
 }
 
 enum status film_enqueue(const struct film *film, struct gpu *gpu,
@@ -41,26 +43,14 @@ enum status film_enqueue(const struct film *film, struct gpu *gpu,
                           touched < batch->pixel_count ? touched : batch->pixel_count);
 }
 
-enum status film_resolve(const struct film *film, struct gpu *gpu, float *rgb,
-                         const struct sequence *sequence)
+enum status film_end(const struct film *film, struct gpu *gpu, struct canvas *canvas,
+                     const struct sequence *sequence)
 {
-    const uint32_t pixel_count = film->width * film->height;
-    struct film_pixel *pixels = malloc(pixel_count * sizeof(*pixels));
-    if (pixels == NULL)
-        return status_fail(STATUS_NO_MEMORY, "no memory to read %u pixels", pixel_count);
-    const enum status status =
-        buffer_read(gpu, &film->pixels, pixels, pixel_count * sizeof(*pixels));
-    for (uint32_t place = 0; place < pixel_count && status == STATUS_OK; place++) {
-        const uint64_t samples = sequence_samples(sequence, place);
-        const double scale = samples > 0 ? 1.0 / (double)samples : 0.0;
-        const struct film_pixel *from = &pixels[place];
-        float *to = &rgb[3 * (size_t)zorder_pixel(place, film->width, film->height)];
-        to[0] = (float)(((double)from->sum.x - from->carry.x) * scale);
-        to[1] = (float)(((double)from->sum.y - from->carry.y) * scale);
-        to[2] = (float)(((double)from->sum.z - from->carry.z) * scale);
-    }
-    free(pixels);
-    return status;
+    const struct span *span = &sequence->span;
+    for (uint32_t place = 0; place < span->pixel_count; place++)
+        canvas->samples[span->first_pixel + place] = (uint32_t)sequence_samples(sequence, place);
+    return buffer_read(gpu, &film->pixels, canvas->pixels + span->first_pixel,
+                       span->pixel_count * sizeof(struct film_pixel));
 }
 
 void film_free(struct gpu *gpu, struct film *film)

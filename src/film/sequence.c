@@ -9,10 +9,11 @@
 // Sets the size of the pass that begins.
 static void begin_pass(struct sequence *s)
 {
-    const uint64_t left = s->spp > 0 ? s->spp - s->first_sample : UINT64_MAX;
+    const uint64_t left = s->span.end_sample - s->first_sample;
     uint32_t shift = 0;
-    while (shift < PASS_SHIFT_MAX && (2ull << shift) <= s->first_sample &&
-           (2ull << shift) <= left && ((uint64_t)s->pixel_count << (shift + 1)) <= PASS_SIZE_MAX)
+    while (shift < PASS_SHIFT_MAX && (!s->even || (2ull << shift) <= s->first_sample) &&
+           (2ull << shift) <= left &&
+           ((uint64_t)s->span.pixel_count << (shift + 1)) <= PASS_SIZE_MAX)
         shift++;
     s->sample_shift = shift;
     s->done = 0;
@@ -20,26 +21,28 @@ static void begin_pass(struct sequence *s)
 
 static uint64_t pass_size(const struct sequence *s)
 {
-    return (uint64_t)s->pixel_count << s->sample_shift;
+    return (uint64_t)s->span.pixel_count << s->sample_shift;
 }
 
-void sequence_begin(struct sequence *sequence, uint32_t pixel_count, uint64_t spp)
+void sequence_begin(struct sequence *sequence, const struct span *span, bool even)
 {
-    *sequence = (struct sequence){.spp = spp, .pixel_count = pixel_count};
+    *sequence = (struct sequence){.span = *span, .first_sample = span->first_sample, .even = even};
     begin_pass(sequence);
 }
 
-int sequence_ended(const struct sequence *s)
+bool sequence_ended(const struct sequence *s)
 {
-    return s->spp > 0 && s->first_sample >= s->spp;
+    return s->first_sample >= s->span.end_sample;
 }
 
 // Paths up to the end of the last pass that is as large as this one.
 static uint64_t paths_alike(const struct sequence *s)
 {
     uint64_t passes = 1;
-    if (s->sample_shift == PASS_SHIFT_MAX)
-        passes = s->spp > 0 ? (s->spp - s->first_sample) >> PASS_SHIFT_MAX : UINT32_MAX;
+    if (s->sample_shift == PASS_SHIFT_MAX) {
+        const uint64_t left = (s->span.end_sample - s->first_sample) >> PASS_SHIFT_MAX;
+        passes = left < UINT32_MAX ? left : UINT32_MAX;
+    }
     return passes * pass_size(s) - s->done;
 }
 
@@ -50,8 +53,9 @@ struct batch sequence_batch(const struct sequence *s, uint32_t paths)
         .first = (uint32_t)s->done,
         .first_sample = (uint32_t)s->first_sample,
         .count = paths < alike ? paths : (uint32_t)alike,
-        .pixel_count = s->pixel_count,
+        .pixel_count = s->span.pixel_count,
         .sample_shift = s->sample_shift,
+        .first_pixel = s->span.first_pixel,
     };
 }
 
@@ -67,7 +71,7 @@ void sequence_advance(struct sequence *s, const struct batch *batch)
 
 uint64_t sequence_paths(const struct sequence *s)
 {
-    return s->first_sample * s->pixel_count + s->done;
+    return (s->first_sample - s->span.first_sample) * s->span.pixel_count + s->done;
 }
 
 uint64_t sequence_samples(const struct sequence *s, uint32_t place)

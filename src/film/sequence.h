@@ -1,29 +1,38 @@
 /**
  * @file
- * The order in which the paths of a render are taken: in passes over the image, each with a power
- * of two of samples for every pixel, side by side (struct batch).
+ * The order in which the paths of a render, or of a part of it, are taken: in passes over the
+ * pixels, each with a power of two of samples for every pixel, side by side (struct batch).
  *
- * Passes double until they have PASS_SAMPLES_MAX, so that an image stopped at any time has at most
- * about twice as many samples in one pixel as in another, and every pixel has one soon.
+ * The order changes nothing in the picture, since a path depends on pixel and sample alone, and a
+ * pixel's samples always come one after the other. Even passes double as samples do, until they
+ * have 2^PASS_SHIFT_MAX: a picture stopped at any time has at most about twice as many samples in
+ * one pixel as in another, and every pixel has one soon.
  */
 #ifndef FILM_SEQUENCE_H
 #define FILM_SEQUENCE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "shared/path.h"
 
-/** Where a render stands. Not to be changed but by the functions below. */
+/** A part of the work: consecutive pixels in Z-order, and samples of each. */
+struct span {
+    uint32_t first_pixel, pixel_count;
+    uint64_t first_sample, end_sample; // those before are taken; end UINT64_MAX: without end
+};
+
+/** Where the work on a span stands. Not to be changed but by the functions below. */
 struct sequence {
-    uint64_t spp;          // samples per pixel to take; 0: without end
+    struct span span;
     uint64_t first_sample; // of the pass; all before are taken
     uint64_t done;         // paths of the pass that are taken
-    uint32_t pixel_count;
     uint32_t sample_shift; // log2 of the samples of each pixel in the pass
+    bool even;             // passes grow as samples do, else they are large from the start
 };
 
 /** Begins one. */
-void sequence_begin(struct sequence *sequence, uint32_t pixel_count, uint64_t spp);
+void sequence_begin(struct sequence *sequence, const struct span *span, bool even);
 
 /** The next batch, of at most so many paths (>= 1). Not when it has ended. */
 struct batch sequence_batch(const struct sequence *sequence, uint32_t paths);
@@ -32,12 +41,12 @@ struct batch sequence_batch(const struct sequence *sequence, uint32_t paths);
 void sequence_advance(struct sequence *sequence, const struct batch *batch);
 
 /** Whether every sample was taken. */
-int sequence_ended(const struct sequence *sequence);
+bool sequence_ended(const struct sequence *sequence);
 
-/** Paths taken. */
+/** Paths of the span that were taken. */
 uint64_t sequence_paths(const struct sequence *sequence);
 
-/** Samples taken of a pixel, by its place in Z-order. */
+/** Samples taken of a pixel, by its place in the span: with those before the span. */
 uint64_t sequence_samples(const struct sequence *sequence, uint32_t place);
 
 #endif

@@ -39,7 +39,7 @@ enum status image_file_kind(enum image_kind *out, const char *path)
 struct header {
     struct image_attribute attributes[ATTRIBUTES_MAX];
     size_t count;
-    char software[128], seed[16], spp[32], device[400];
+    char software[128], seed[16], spp[32], device[4096];
     struct json settings;
 };
 
@@ -64,8 +64,12 @@ static enum status fill_header(struct header *header, const struct lk_render_inf
 
     snprintf(header->seed, sizeof(header->seed), "%u", info->settings.seed);
     snprintf(header->spp, sizeof(header->spp), "%.9g", info->spp);
-    snprintf(header->device, sizeof(header->device), "%s, %s, driver %s", info->device.platform,
-             info->device.name, info->device.driver);
+    for (uint32_t i = 0; i < info->device_count; i++) {
+        const struct lk_device_info *device = &info->devices[i].info;
+        const size_t used = strlen(header->device);
+        snprintf(header->device + used, sizeof(header->device) - used, "%s%s, %s, driver %s",
+                 i > 0 ? "; " : "", device->platform, device->name, device->driver);
+    }
     add(header, "lightkiln:seed", header->seed);
     add(header, "lightkiln:settings", header->settings.text);
     add(header, "lightkiln:device", header->device);

@@ -84,16 +84,29 @@ static void write_settings(struct json *json, const struct lk_settings *settings
     json_object_end(json);
 }
 
-static void write_device(struct json *json, const struct lk_device_info *device)
+// Each device, what was chosen for it, and its part of the paths.
+static void write_devices(struct json *json, const struct lk_render_info *info)
 {
     json_array(json, "device");
-    json_object(json, NULL);
-    json_string(json, "platform", device->platform);
-    json_string(json, "name", device->name);
-    json_string(json, "driver", device->driver);
-    json_string(json, "type", device->type);
-    json_uint(json, "compute_units", device->compute_units);
-    json_object_end(json);
+    for (uint32_t i = 0; i < info->device_count; i++) {
+        const struct lk_device_share *share = &info->devices[i];
+        json_object(json, NULL);
+        json_string(json, "platform", share->info.platform);
+        json_string(json, "name", share->info.name);
+        json_string(json, "driver", share->info.driver);
+        json_string(json, "type", share->info.type);
+        json_uint(json, "compute_units", share->info.compute_units);
+        json_string(json, "trace", choices_trace[share->trace]);
+        json_string(json, "bvh", choices_bvh[share->bvh]);
+        json_string(json, "textures", choices_textures[share->textures]);
+        json_uint(json, "queue", share->queue);
+        json_uint(json, "memory_bytes", share->memory);
+        json_uint(json, "paths", share->paths);
+        json_double(json, "share",
+                    info->paths > 0 ? (double)share->paths / (double)info->paths : 0.0);
+        json_double(json, "busy_s", share->busy_s);
+        json_object_end(json);
+    }
     json_array_end(json);
 }
 
@@ -171,7 +184,7 @@ enum status report_write(struct json *json, const struct lk_render_info *info, c
     json_string(json, "version", version);
     write_scene(json, &info->scene);
     write_settings(json, &info->settings);
-    write_device(json, &info->device);
+    write_devices(json, info);
     write_memory(json, &info->scene.memory);
     write_times(json, info, write_s);
     if (info->kernel_count > 0)

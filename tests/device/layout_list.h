@@ -69,7 +69,7 @@
     M(material, textures)                                                                          \
     S(batch)                                                                                       \
     M(batch, first) M(batch, first_sample) M(batch, count) M(batch, pixel_count)                   \
-    M(batch, sample_shift) M(batch, pad0) M(batch, pad1) M(batch, pad2)                            \
+    M(batch, sample_shift) M(batch, first_pixel) M(batch, pad0) M(batch, pad1)                            \
     S(path)                                                                                        \
     M(path, throughput_bits) M(path, radiance_normal)                                              \
     S(shade)                                                                                       \
