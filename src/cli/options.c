@@ -66,7 +66,7 @@ const struct option option_table[] = {
     {"background", 0, SIZED, "R,G,B", "the same radiance from all around", NULL, FLOATS3(settings.background, 0, 1e30)},
 
     HEADING(SIZED, "Device and kernels"),
-    {"device", 0, BOTH, "LIST", "cpu, gpu, P:D, part of a name; several with commas, or all", "the best", TEXT(settings.device)},
+    {"device", 0, BOTH, "LIST", "cpu, gpu, P:D, part of a name; or a list; or all", "the best", TEXT(settings.device)},
     {"trace", 0, BOTH, NULL, "a ray per item, a work queue, or by warps (NVIDIA)", NULL, CHOICE(settings.trace, choices_trace)},
     {"bvh", 0, SIZED, NULL, "layout of the BVH; wide is for CPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
     {"bvh-build", 0, SIZED, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},

@@ -263,7 +263,8 @@ static enum status find_device(struct gpu *gpu, const struct gpu_info *info)
     return STATUS_OK;
 }
 
-// Takes a part of the device, if it can be had.
+// Takes a part of the device, if it can be had. The part is never released: PoCL 3.1's threads look
+// at it after the last command has ended, and crash where it is gone.
 static void leave_units(struct gpu *gpu, uint32_t spare_units)
 {
     const uint32_t units = gpu->info.compute_units;
@@ -324,8 +325,6 @@ void gpu_close(struct gpu *gpu)
         clReleaseCommandQueue(gpu->queue);
     if (gpu->context != NULL)
         clReleaseContext(gpu->context);
-    if (gpu->device != NULL)
-        clReleaseDevice(gpu->device); // counts for parts of devices alone
     *gpu = (struct gpu){0};
 }
 

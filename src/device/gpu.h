@@ -33,7 +33,7 @@ struct gpu_info {
 struct gpu {
     struct gpu_info info;
     struct _cl_platform_id *platform;
-    struct _cl_device_id *device;    // owned if it is a part of one
+    struct _cl_device_id *device;    // or a part of it
     struct _cl_context *context;     // owned
     struct _cl_command_queue *queue; // in order; owned
     struct profile *profile;         // NULL: kernels are not timed; owned

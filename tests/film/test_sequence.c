@@ -13,7 +13,7 @@
 #include "shared/rng.h"
 
 // Takes batches of random sizes, counting how often each sample of each pixel comes, until `stop`
-// paths are taken or the sequence ends. Counts are [spp_max][pixels].
+// paths are taken or the sequence ends. Counts are [spp_max][pixels] of the span.
 static void take(struct sequence *sequence, uint8_t *counts, uint32_t spp_max, uint64_t stop,
                  uint32_t largest, uint32_t *seed)
 {
@@ -24,9 +24,12 @@ static void take(struct sequence *sequence, uint8_t *counts, uint32_t spp_max, u
         assert_in_range(batch.count, 1, size);
         for (uint32_t slot = 0; slot < batch.count; slot++) {
             const struct path_place place = batch_place(batch, slot);
-            assert_in_range(place.pixel, 0, sequence->pixel_count - 1);
-            assert_in_range(place.sample, 0, spp_max - 1);
-            counts[(size_t)place.sample * sequence->pixel_count + place.pixel]++;
+            const struct span *span = &sequence->span;
+            const uint32_t pixel = place.pixel - span->first_pixel;
+            const uint32_t sample = place.sample - (uint32_t)span->first_sample;
+            assert_in_range(pixel, 0, span->pixel_count - 1);
+            assert_in_range(sample, 0, spp_max - 1);
+            counts[(size_t)sample * span->pixel_count + pixel]++;
         }
         const uint64_t before = sequence_paths(sequence);
         sequence_advance(sequence, &batch);
@@ -47,7 +50,9 @@ static void each_sample_comes_once_however_batches_are_cut(void **state)
                 const uint32_t spp = spps[s];
                 uint8_t *counts = calloc((size_t)pixels * spp, 1);
                 struct sequence sequence;
-                sequence_begin(&sequence, pixels, spp);
+                const uint32_t first = seed % 5; // a span from the middle, at times
+                const struct span span = {7 * first, pixels, first, first + spp};
+                sequence_begin(&sequence, &span, seed % 2 == 0);
                 take(&sequence, counts, spp, UINT64_MAX, largest, &seed);
                 assert_int_equal(sequence_paths(&sequence), (uint64_t)pixels * spp);
                 for (size_t i = 0; i < (size_t)pixels * spp; i++)
@@ -65,7 +70,8 @@ static void samples_of_a_pixel_are_counted_and_even_at_any_time(void **state)
     for (uint64_t stop = 0; stop < 40 * PIXELS; stop += 37) {
         struct sequence sequence;
         memset(counts, 0, sizeof(counts));
-        sequence_begin(&sequence, PIXELS, 0);
+        const struct span span = {0, PIXELS, 0, UINT64_MAX};
+        sequence_begin(&sequence, &span, true);
         take(&sequence, counts, SPP_MAX, stop, 300, &seed);
         uint64_t least = UINT64_MAX;
         uint64_t most = 0;
@@ -86,7 +92,8 @@ static void a_pass_of_a_huge_image_fits_32_bits(void **state)
     (void)state;
     const uint32_t pixels = 1u << 28;
     struct sequence sequence;
-    sequence_begin(&sequence, pixels, 64);
+    const struct span span = {0, pixels, 0, 64};
+    sequence_begin(&sequence, &span, true);
     for (int i = 0; i < 1000000 && !sequence_ended(&sequence); i++) {
         const struct batch batch = sequence_batch(&sequence, 1u << 21);
         assert_true((uint64_t)batch.first + batch.count <= UINT32_MAX);

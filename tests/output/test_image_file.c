@@ -31,7 +31,8 @@ static int make_folder(void **state)
         picture[i] = (float)i * 0.03125f;
     info.spp = 16.0;
     info.settings.seed = 7;
-    strcpy(info.device.name, "a device");
+    info.device_count = 1;
+    strcpy(info.devices[0].info.name, "a device");
     strcpy(folder, "/tmp/lightkiln-test-XXXXXX");
     return mkdtemp(folder) != NULL ? 0 : -1;
 }

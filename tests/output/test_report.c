@@ -18,7 +18,11 @@ static struct lk_render_info make_info(void)
     info.scene.file = "a \"level\".glb";
     info.scene.triangles = 12;
     info.settings = (struct lk_settings){.width = 4, .height = 2, .spp = 8, .depth = 5};
-    strcpy(info.device.name, "a device");
+    info.device_count = 2;
+    strcpy(info.devices[0].info.name, "a device");
+    strcpy(info.devices[1].info.name, "another");
+    info.devices[0].paths = 6;
+    info.devices[1].paths = 4;
     info.time_s.render = 2.0;
     info.time_s.total = 3.0;
     info.rays_camera = 10;
@@ -102,6 +106,7 @@ static void report_has_every_promised_name(void **state)
                                         "leaf_size",
                                         "seed",
                                         "queue",
+                                        "busy_s",
                                         "memory_limit",
                                         "profile"};
     struct lk_render_info info = make_info();
