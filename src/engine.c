@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "core/clock.h"
+#include "core/log.h"
 #include "plan.h"
 #include "prep/camera.h"
 #include "prepare.h"
@@ -256,6 +257,21 @@ static enum status begin(struct render *render, struct lk_scene *scene)
     return render_report(render->hook, &progress);
 }
 
+// A picture of nothing but black is asked for by nobody.
+static void warn_of_darkness(const struct lk_scene *scene, const struct lk_scene_info *info)
+{
+    const struct lk_lights *lights = &info->lights;
+    bool dark = lights->drawn + lights->directional + lights->emissive_triangles == 0 &&
+                scene->surroundings.environment.map.width == 0;
+    for (uint32_t i = 0; i < scene->scene.material_count; i++)
+        dark = dark && !scene->scene.materials[i].unlit;
+    if (dark)
+        log_message(
+            LOG_WARNING,
+            "%s has no light: the picture is black; --sky, --env or --background bring some",
+            info->file);
+}
+
 enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene,
                          const struct lk_settings *settings, const struct lk_progress_hook *hook)
 {
@@ -265,6 +281,8 @@ enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene,
     *out = NULL;
 
     enum status status = begin(&render, scene);
+    if (status == STATUS_OK)
+        warn_of_darkness(scene, &info.scene);
     if (status == STATUS_OK)
         status = render_paths(&render);
     if (status == STATUS_OK || (status == STATUS_CANCELLED && info.paths > 0)) {

@@ -247,6 +247,33 @@ static void too_little_memory_names_its_users(void **state)
     assert_refused(&settings, LK_NO_MEMORY, "film");
 }
 
+static unsigned warnings_of_a_render(const struct lk_settings *settings, struct lk_scene *of)
+{
+    const unsigned before = lk_warning_count();
+    struct lk_image *image = render(of, settings);
+    const unsigned given = lk_warning_count() - before;
+    lk_image_free(image);
+    return given;
+}
+
+// Only where nothing shines is there a warning.
+static void black_picture_is_warned_of(void **state)
+{
+    (void)state;
+    skip_without_device();
+    struct gltf_writer writer = {0};
+    gltf_floor(&writer, gltf_lambert(&writer, 0.5), 0.0f, 20.0f, true);
+    gltf_camera_flat(&writer, "above", (const float[]){0, 5, 0.01f}, (const float[]){0, 0, 0}, 1.0);
+    struct lk_scene *dark = gltf_load(&writer);
+    struct lk_settings settings = test_settings(8, 8, 1);
+    assert_int_equal(warnings_of_a_render(&settings, scene), 0); // it is unlit
+    assert_int_equal(warnings_of_a_render(&settings, dark), 1);
+    for (int i = 0; i < 3; i++)
+        settings.background[i] = 1.0f;
+    assert_int_equal(warnings_of_a_render(&settings, dark), 0);
+    lk_scene_free(dark);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -255,6 +282,7 @@ int main(void)
         cmocka_unit_test(cancelled_render_keeps_what_was_finished),
         cmocka_unit_test(render_cancelled_before_the_first_ray_gives_no_image),
         cmocka_unit_test(progress_is_told_in_order),
+        cmocka_unit_test(black_picture_is_warned_of),
         cmocka_unit_test(time_limit_ends_a_render),
         cmocka_unit_test(samples_end_a_render_before_its_time),
         cmocka_unit_test(settings_out_of_range_are_refused),
