@@ -36,7 +36,8 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
     __global const uint *restrict queue, __global const struct ray *restrict rays,
     __global const struct shade *restrict shades, __global struct path *restrict paths,
-    __global struct counters *counters, __global const uint4 *restrict points)
+    __global struct counters *counters, __global const uint4 *restrict points,
+    __global const uint *restrict places)
 {
     TRACED_SCENE(scene);
     const uint ray_count = light_ray_count(settings);
@@ -54,7 +55,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
         const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
         const float3 p = rays[slot].org.xyz;
         const bool alone = (bits & PATH_NO_BOUNCE) != 0;
-        const struct path_place place = batch_place(batch, slot);
+        const struct path_place place = samples_place(batch, places, slot);
 
         float3 sum = (float3)(0.0f); // over the shadow rays
         for (uint k = 0; k < ray_count; k++) {

@@ -48,7 +48,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     const struct batch batch, const struct environment_map map,
     __global const float4 *restrict map_texels,
     __global const struct environment_alias *restrict map_alias,
-    __global const uint4 *restrict points
+    __global const uint4 *restrict points, __global const uint *restrict places
 #endif
 )
 {
@@ -79,7 +79,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
             sum += value * traverse_light(nodes, &scene, p, dir, FLT_MAX);
         }
 #if ENV_MAP
-        const struct path_place place = batch_place(batch, slot);
+        const struct path_place place = samples_place(batch, places, slot);
         const uint4 numbers = samples_draw(settings, points, place.pixel, place.sample, bounce,
                                            RNG_USE_ENVIRONMENT, 0);
         float3 dir;

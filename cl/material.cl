@@ -80,10 +80,11 @@ static inline void material_measure_irradiance(struct bsdf *b)
 #if LAYERS
 // A uniform number of the path's own, for choosing a layer.
 static inline float material_number(__constant struct settings *settings,
-                                    __global const uint4 *restrict points, const struct batch batch,
+                                    __global const uint4 *restrict points,
+                                    __global const uint *restrict places, const struct batch batch,
                                     const uint slot, const uint bounce)
 {
-    const struct path_place place = batch_place(batch, slot);
+    const struct path_place place = samples_place(batch, places, slot);
     return rng_unit(
         samples_draw(settings, points, place.pixel, place.sample, bounce, RNG_USE_LAYER, 0).x);
 }
@@ -141,6 +142,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     __global const uint *restrict light_parents, __global const uint *restrict light_leaves,
     __global struct ray *restrict rays, __global struct path *restrict paths,
     __global struct shade *shades, __global const uint4 *restrict points,
+    __global const uint *restrict places,
 #if NORMAL_MAPS
     __global const uint *restrict tangents,
 #endif
@@ -329,8 +331,9 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             }
 #if LAYERS
             else if (flags & MATERIAL_LAYERED)
-                throughput *= layer_choose(&b, material, &values, color, smooth_normal, coat_normal,
-                                           material_number(settings, points, batch, slot, bounce));
+                throughput *=
+                    layer_choose(&b, material, &values, color, smooth_normal, coat_normal,
+                                 material_number(settings, points, places, batch, slot, bounce));
 #endif
 
             // Past the last shaded hit a ray goes on only to collect emission that light samples

@@ -1,6 +1,6 @@
 // Stage 1, raygen: one camera ray for each path of the batch, in Z-order.
 //
-//   in    camera, batch, points
+//   in    camera, batch, points, places
 //   out   rays, paths, queue[0 .. batch.count), counters of all bounces
 //   next  trace
 
@@ -19,7 +19,8 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
     __constant struct settings *settings, __constant struct camera *camera,
     const struct batch batch, const uint bounce_count, __global struct ray *restrict rays,
     __global struct path *restrict paths, __global uint *restrict queue,
-    __global struct counters *restrict counters, __global const uint4 *restrict points)
+    __global struct counters *restrict counters, __global const uint4 *restrict points,
+    __global const uint *restrict places)
 {
     const uint slot = get_global_id(0);
 
@@ -40,7 +41,7 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
         return; // the launch is rounded up to whole groups
 
     // Pick a point inside the pixel: box filter, one pixel wide.
-    const struct path_place place = batch_place(batch, slot);
+    const struct path_place place = samples_place(batch, places, slot);
     const uint pixel = zorder_pixel(place.pixel, camera->width, camera->height);
     const uint4 bits =
         samples_draw(settings, points, place.pixel, place.sample, 0, RNG_USE_CAMERA, 0);

@@ -19,7 +19,8 @@ __kernel __attribute__((reqd_work_group_size(WG_SCATTER, 1, 1))) void scatter(
     __constant struct settings *settings, const struct batch batch, const uint bounce,
     __global const struct counters *counters, __global const uint *restrict queue,
     __global const struct shade *restrict shades, __global struct ray *restrict rays,
-    __global struct path *restrict paths, __global const uint4 *restrict points)
+    __global struct path *restrict paths, __global const uint4 *restrict points,
+    __global const uint *restrict places)
 {
     const uint i = get_global_id(0);
     if (i >= counters[bounce].active)
@@ -29,7 +30,7 @@ __kernel __attribute__((reqd_work_group_size(WG_SCATTER, 1, 1))) void scatter(
     uint next_bits = 0;
     if ((bits & (PATH_SHADED | PATH_NO_BOUNCE)) == PATH_SHADED) {
         const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
-        const struct path_place place = batch_place(batch, slot);
+        const struct path_place place = samples_place(batch, places, slot);
         const uint4 numbers =
             samples_draw(settings, points, place.pixel, place.sample, bounce, RNG_USE_BSDF, 0);
         const struct bsdf_sample sampled = bsdf_sample(

@@ -33,6 +33,7 @@ static void describe(struct lk_scene_info *out, const struct lk_scene *scene,
     const struct upload_sizes sizes = upload_sizes(&source);
     const struct settings told = plan_kernel_settings(settings);
     const bool textures_bound = settings->textures == LK_TEXTURES_BOUND;
+    const uint64_t pixels = (uint64_t)camera->width * camera->height;
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     *out = (struct lk_scene_info){
@@ -56,8 +57,8 @@ static void describe(struct lk_scene_info *out, const struct lk_scene *scene,
                    .materials = sizes.materials,
                    .lights = sizes.lights,
                    .rays = capacity * wavefront_path_size(textures_bound) +
-                           wavefront_points_size(&told),
-                   .film = (uint64_t)camera->width * camera->height * film_pixel_size(),
+                           wavefront_points_size(&told) + wavefront_places_size(pixels),
+                   .film = pixels * film_pixel_size(),
                    .peak_host = (uint64_t)usage.ru_maxrss * 1024},
         .width = camera->width,
         .height = camera->height,

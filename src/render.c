@@ -22,17 +22,23 @@ enum status render_progress(const struct render *render, const struct render_sta
     const double total = settings->spp > 0 ? (double)settings->spp * (double)pixels : INFINITY;
     const double limit_s = settings->time_s;
     const double seconds = state->seconds;
+    const double by_paths = (double)state->paths / total;
     const double by_time = limit_s > 0.0 ? fmin(seconds / limit_s, 1.0) : 0.0;
+    // Paths go with the inverse square of the error.
+    const double by_noise =
+        state->noise > 0.0 ? fmin(pow(settings->noise / state->noise, 2.0), 1.0) : 0.0;
     double remaining = -1.0;
     if (isfinite(total) && state->timed_paths > 0)
         remaining = (total - (double)state->paths) * seconds / (double)state->timed_paths;
+    if (by_noise > 0.0 && (remaining < 0.0 || seconds / by_noise - seconds < remaining))
+        remaining = seconds / by_noise - seconds;
     if (limit_s > 0.0 && (remaining < 0.0 || limit_s - seconds < remaining))
         remaining = fmax(limit_s - seconds, 0.0);
     const struct ray_counts *rays = &state->rays;
     const double share = state->paths > 0 ? (double)state->timed_paths / (double)state->paths : 0.0;
     const struct lk_progress progress = {
         .stage = "rendering",
-        .fraction = fmax((double)state->paths / total, by_time),
+        .fraction = fmax(fmax(by_paths, by_noise), by_time),
         .elapsed_s = clock_seconds() - render->start_s,
         .remaining_s = remaining,
         .spp = (double)state->paths / (double)pixels,
@@ -115,7 +121,8 @@ static void count_work(struct render *render)
         info->time_s.upload = fmax(info->time_s.upload, r->upload_s);
         info->time_s.kernel_build = fmax(info->time_s.kernel_build, r->build_s);
         info->devices[i].paths = r->rays.camera;
-        info->devices[i].busy_s = render->renderer_count > 1 ? r->busy_s : info->time_s.render;
+        info->devices[i].busy_s =
+            r->busy_s > 0.0 || render->renderer_count > 1 ? r->busy_s : info->time_s.render;
     }
     info->paths = canvas_paths(&render->canvas);
     info->spp =
@@ -124,8 +131,9 @@ static void count_work(struct render *render)
 
 enum status render_paths(struct render *render)
 {
-    const enum status status =
-        render->renderer_count > 1 ? share_paths(render) : render_alone(render);
+    render->info->noise = -1.0;
+    const bool in_rounds = render->renderer_count > 1 || render->info->settings.noise > 0.0f;
+    const enum status status = in_rounds ? share_paths(render) : render_alone(render);
     count_work(render);
     return status;
 }

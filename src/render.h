@@ -30,6 +30,7 @@ struct render_state {
     uint64_t timed_paths; // those finished within `seconds`
     double seconds;       // of rendering
     struct ray_counts rays;
+    double noise; // relative error reached; not above 0: not known
 };
 
 /**

@@ -36,8 +36,10 @@ static enum status check_environment(const struct lk_settings *s)
 
 enum status settings_check(const struct lk_settings *s)
 {
-    if (s->spp == 0 && !(s->time_s > 0.0))
-        return status_fail(STATUS_USAGE, "neither samples nor time end this render");
+    if (!isfinite(s->noise) || s->noise < 0.0f)
+        return status_fail(STATUS_USAGE, "a noise of %g is none", (double)s->noise);
+    if (s->spp == 0 && !(s->time_s > 0.0) && s->noise == 0.0f)
+        return status_fail(STATUS_USAGE, "neither samples nor time nor noise end this render");
     if (s->spp > 1u << 24)
         return status_fail(STATUS_USAGE, "%u samples per pixel are more than 16777216", s->spp);
     if (!isfinite(s->time_s) || s->time_s < 0.0)

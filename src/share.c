@@ -7,14 +7,16 @@
 #include <time.h>
 
 #include "core/clock.h"
+#include "film/noise.h"
 
-#define SPAN_SECONDS_MAX  1.0  // a device takes no more at a time: its speed may change
-#define SPAN_SECONDS_MIN  0.02 // nor less, so that launches and copies are worth their while
-#define ROUND_SECONDS_MAX 2.0  // pixels differ by a round at most when a render is stopped
-#define ROUND_SECONDS_MIN 0.25 // the end of a round costs some milliseconds
-#define PROGRESS_EVERY    0.1  // seconds between calls of the hook
+#define SPAN_SECONDS_MAX  1.0   // a device takes no more at a time: its speed may change
+#define SPAN_SECONDS_MIN  0.008 // nor less, so that launches and copies are worth their while
+#define ROUND_SECONDS_MAX 10.0  // a cancelled render has pixels that are up to a round apart
+#define ROUND_SECONDS_MIN 0.5   // the end of a round costs some milliseconds
+#define PROGRESS_EVERY    0.1   // seconds between calls of the hook
 #define WARM_UP_PIXELS    1024u
-#define PIXELS_STEP       64u // spans are whole tiles of the Z-order, for coherence
+#define SAMPLES_MAX       (1u << 24) // where nothing else ends them
+#define PIXELS_STEP       64u        // spans are whole tiles of the Z-order, for coherence
 
 struct worker {
     struct share *share;
@@ -29,16 +31,15 @@ struct share {
     struct worker *workers; // [render->renderer_count]
     pthread_mutex_t lock;   // of all below, and of rate and rays above
     pthread_cond_t changed; // spans may be had that could not before, or it is over
-    uint64_t first_sample;  // of the round,
-    uint64_t end_sample;    // which takes the samples before this one, of all pixels
-    uint32_t pixel_count;
-    uint32_t next_pixel; // those from here on are not dealt out yet
-    uint32_t held;       // spans that are worked on
-    double start_s;      // when the first device was ready; 0: none is
-    double end_s;        // when the last span was given back
-    bool over;           // everything is done, or no more is to be
-    enum status status;  // of the first failure,
-    char message[2048];  // and its words
+    struct span round;      // what is dealt out,
+    uint32_t next_pixel;    // from here on
+    uint32_t held;          // spans that are worked on
+    struct noise noise;     // empty unless an error was asked for
+    double start_s;         // when the first device was ready; 0: none is
+    double end_s;           // when the last span was given back
+    bool over;              // everything is done, or no more is to be
+    enum status status;     // of the first failure,
+    char message[2048];     // and its words
 };
 
 static double total_rate(const struct share *s)
@@ -72,19 +73,17 @@ static void end(struct share *s, enum status status, const struct renderer *wher
     pthread_cond_broadcast(&s->changed);
 }
 
-// Decides on the samples of the next round.
-static void begin_round(struct share *s)
+// Decides on the samples that all pixels take in the next round. False if none are left.
+static bool next_samples(struct share *s)
 {
     const struct lk_settings *settings = &s->render->info->settings;
-    s->first_sample = s->end_sample;
-    s->next_pixel = 0;
-    const uint64_t left = settings->spp > 0 ? settings->spp - s->first_sample : UINT64_MAX;
-    if (left == 0) {
-        end(s, STATUS_OK, NULL);
-        return;
-    }
-    const double per_second = total_rate(s) / s->pixel_count;
-    double samples = fmax((double)s->first_sample, per_second * ROUND_SECONDS_MIN);
+    struct span *round = &s->round;
+    round->first_sample = round->end_sample;
+    const uint64_t left = settings->spp > 0 ? settings->spp - round->first_sample : UINT64_MAX;
+    if (left == 0)
+        return false;
+    const double per_second = total_rate(s) / round->pixel_count;
+    double samples = fmax((double)round->first_sample, per_second * ROUND_SECONDS_MIN);
     samples = fmin(samples, per_second * ROUND_SECONDS_MAX);
     if (settings->time_s > 0.0)
         samples = fmin(samples, per_second * (s->start_s + settings->time_s - clock_seconds()));
@@ -93,16 +92,32 @@ static void begin_round(struct share *s)
         count -= count % 16; // whole passes
     if (count > left || left - count < count / 4)
         count = left;
-    s->end_sample = s->first_sample + count;
-    pthread_cond_broadcast(&s->changed);
+    round->end_sample = round->first_sample + count;
+    return true;
+}
+
+// Begins the next round, or ends the render.
+static void begin_round(struct share *s)
+{
+    const struct lk_settings *settings = &s->render->info->settings;
+    const uint64_t most = settings->spp > 0 ? settings->spp : SAMPLES_MAX;
+    s->next_pixel = 0;
+    const bool goes_on = settings->noise > 0.0f
+                             ? noise_next(&s->noise, &s->render->canvas, most, &s->round)
+                             : next_samples(s);
+    if (goes_on)
+        pthread_cond_broadcast(&s->changed);
+    else
+        end(s, STATUS_OK, NULL);
 }
 
 // How many pixels a device is to take now.
 static uint32_t span_pixels(const struct share *s, const struct worker *w)
 {
     const double total = total_rate(s);
-    const double per_second = w->rate / (double)(s->end_sample - s->first_sample); // of its pixels
-    const double left = s->pixel_count - s->next_pixel;
+    const double per_second =
+        w->rate / (double)(s->round.end_sample - s->round.first_sample); // of its pixels
+    const double left = s->round.pixel_count - s->next_pixel;
     const double least = fmax(per_second * SPAN_SECONDS_MIN, 1.0);
     const double rest_s = left / per_second * w->rate / total; // all devices take for the rest
     if (w->rate < fastest_rate(s) && least / per_second > rest_s)
@@ -119,11 +134,15 @@ static bool take_span(struct worker *w, struct span *out)
     struct share *s = w->share;
     uint32_t pixels = 0;
     pthread_mutex_lock(&s->lock);
-    while (!s->over && (s->next_pixel == s->pixel_count || (pixels = span_pixels(s, w)) == 0))
+    while (!s->over && (s->next_pixel == s->round.pixel_count || (pixels = span_pixels(s, w)) == 0))
         pthread_cond_wait(&s->changed, &s->lock);
     const bool taken = !s->over;
     if (taken) {
-        *out = (struct span){s->next_pixel, pixels, s->first_sample, s->end_sample};
+        *out = s->round;
+        out->first_pixel = s->next_pixel;
+        out->pixel_count = pixels;
+        if (out->places != NULL)
+            out->places += s->next_pixel;
         s->next_pixel += pixels;
         s->held++;
     }
@@ -136,14 +155,15 @@ static void give_span(struct worker *w, uint64_t paths, double seconds, enum sta
 {
     struct share *s = w->share;
     pthread_mutex_lock(&s->lock);
+    // The first spans tell too little of a device: what is faster is believed at once.
     if (seconds > 0.0 && paths > 0)
-        w->rate = 0.5 * (w->rate + (double)paths / seconds);
+        w->rate = fmax((double)paths / seconds, 0.5 * (w->rate + (double)paths / seconds));
     w->renderer->busy_s += seconds;
     s->end_s = clock_seconds();
     s->held--;
     if (status != STATUS_OK)
         end(s, status, w->renderer);
-    else if (!s->over && s->next_pixel == s->pixel_count && s->held == 0)
+    else if (!s->over && s->next_pixel == s->round.pixel_count && s->held == 0)
         begin_round(s);
     pthread_cond_broadcast(&s->changed);
     pthread_mutex_unlock(&s->lock);
@@ -170,6 +190,8 @@ static void render_span(struct worker *w, const struct span *span)
     struct sequence sequence;
     sequence_begin(&sequence, span, false);
     enum status status = film_begin(&r->film, &r->gpu, canvas, span);
+    if (status == STATUS_OK && span->places != NULL)
+        status = wavefront_set_places(&r->wavefront, &r->gpu, span->places, span->pixel_count);
     bool goes_on = true;
     while (status == STATUS_OK && goes_on && !sequence_ended(&sequence)) {
         status = renderer_batch(r, &sequence, true);
@@ -185,7 +207,7 @@ static void render_span(struct worker *w, const struct span *span)
 static enum status warm_up(struct worker *w)
 {
     struct renderer *r = w->renderer;
-    const uint32_t pixels = w->share->pixel_count;
+    const uint32_t pixels = r->camera.width * r->camera.height;
     const struct span span = {.pixel_count = pixels < WARM_UP_PIXELS ? pixels : WARM_UP_PIXELS,
                               .end_sample = 2};
     struct sequence sequence;
@@ -243,6 +265,7 @@ static struct render_state state_of(const struct share *s)
         state.rays.shadow += rays->shadow;
     }
     state.paths = state.timed_paths = state.rays.camera;
+    state.noise = s->noise.reached;
     return state;
 }
 
@@ -310,11 +333,21 @@ enum status share_paths(struct render *render)
     struct share share = {
         .render = render,
         .workers = calloc(render->renderer_count, sizeof(*share.workers)),
-        .end_sample = 1, // a short first round, to learn how fast devices are
-        .pixel_count = render->canvas.width * render->canvas.height,
+        // A short first round, to learn how fast devices are.
+        .round = {.pixel_count = render->canvas.width * render->canvas.height, .end_sample = 1},
     };
     if (share.workers == NULL)
         return status_fail(STATUS_NO_MEMORY, "no memory for %zu devices", render->renderer_count);
+    const double asked = render->info->settings.noise;
+    enum status status = STATUS_OK;
+    if (asked > 0.0)
+        status = noise_create(&share.noise, share.round.pixel_count, asked);
+    if (status != STATUS_OK) {
+        free(share.workers);
+        return status;
+    }
+    if (asked > 0.0)
+        noise_next(&share.noise, &render->canvas, SAMPLES_MAX, &share.round);
     pthread_condattr_t monotonic;
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
@@ -322,12 +355,15 @@ enum status share_paths(struct render *render)
     pthread_condattr_destroy(&monotonic);
     pthread_mutex_init(&share.lock, NULL);
 
-    enum status status = run_workers(&share);
+    status = run_workers(&share);
     render->info->time_s.render = fmax(share.end_s - share.start_s, 0.0);
     if (status == STATUS_OK) {
         const struct render_state state = state_of(&share);
         status = report(&share, &state);
     }
+    if (asked > 0.0)
+        render->info->noise = noise_estimate(&share.noise, &render->canvas);
+    noise_free(&share.noise);
     pthread_mutex_destroy(&share.lock);
     pthread_cond_destroy(&share.changed);
     free(share.workers);

@@ -32,4 +32,15 @@ static inline uint4 samples_draw(__constant struct settings *settings,
     return point ^ turn;
 }
 
+// Whose path a slot holds, its pixel in the image's Z-order.
+//
+//   places  in that order, of the pixels that batches count through
+static inline struct path_place samples_place(const struct batch batch,
+                                              __global const uint *restrict places, const uint slot)
+{
+    struct path_place place = batch_place(batch, slot);
+    place.pixel = places[place.pixel];
+    return place;
+}
+
 #endif

@@ -224,6 +224,11 @@ struct lk_settings {
     const char *camera;     // name, node's name or index; NULL: the first
     uint32_t spp;           // stop after so many samples per pixel; default 64; 0: no such limit
     double time_s;          // stop after so many seconds of rendering; 0: no such limit
+    float noise;            // stop at this noise, the relative error that one tile of 256 pixels in
+                            // a hundred exceeds; noisier tiles get more samples than others. A
+                            // tile's error is the root mean square over pixels and channels of what
+                            // they are off, relative to that of their values, or to a tenth of the
+                            // picture's mean where this is more. 0: no such limit
     uint32_t depth;         // shaded hits of a path, 1 .. 255; default 5
     uint32_t shadow_rays;   // light-tree shadow rays per hit, 1 .. 64; default 1
     enum lk_light_sampler light_sampler;
@@ -336,7 +341,9 @@ struct lk_render_info {
     uint64_t rays_camera, rays_indirect, rays_shadow;
     uint64_t rays_directional; // those of rays_shadow towards directional lights and surroundings
     uint64_t paths;
-    double spp;                   // samples per pixel, with a fraction if stopped within a pass
+    double spp;                   // samples per pixel, with a fraction if pixels differ
+    double noise;                 // reached, as estimated if settings.noise is set; else, and where
+                                  // pixels have 8 samples or less, negative
     uint32_t kernels_from_source; // programs compiled, 0 on a warm start
     uint32_t kernel_count;        // kernels, 0 without profile
     struct lk_kernel_time kernels[LK_KERNELS_MAX];

@@ -16,14 +16,14 @@ struct batch {
     uint count;        // slots in use
     uint pixel_count;  // pixels of a pass: the image's, or a span's
     uint sample_shift; // log2 of the samples in a pass; the passes of a batch are alike
-    uint first_pixel;  // of these pixels, in the image's Z-order
+    uint first_pixel;  // added to the pixels counted through
     uint pad0, pad1;
 };
 SHARED_SIZE(batch, 32);
 
 // Whose path a slot holds.
 struct path_place {
-    uint pixel;  // in Z-order
+    uint pixel;  // among those counted through; of samples_place(), in Z-order
     uint sample; // number
 };
 

@@ -46,8 +46,9 @@ const struct option option_table[] = {
     {"tonemap", 0, RENDER, NULL, "for 8-bit files only", "aces", CHOICE(display.tonemap, choices_tonemap)},
 
     HEADING(BOTH, "When to stop (whichever comes first)"),
-    {"spp", 0, RENDER, "N", "samples per pixel", "64; no limit with --time", UINT(settings.spp, 1, 1e9)},
+    {"spp", 0, RENDER, "N", "samples per pixel", "64; no limit with those below", UINT(settings.spp, 1, 1e9)},
     {"time", 0, BOTH, "S", "seconds of rendering", "no limit", DOUBLE(settings.time_s, 0.001, 1e9)},
+    {"noise", 0, RENDER, "E", "relative error of the noisiest parts; 0.05 is 5 %", "no limit", FLOAT(settings.noise, 1e-6, 1)},
 
     HEADING(SIZED, "Light"),
     {"depth", 0, BOTH, "D", "shaded hits of a path; 1 is direct light alone", NULL, UINT(settings.depth, 1, 255)},
@@ -375,8 +376,8 @@ enum status options_parse(struct options *options, enum command command, char *c
         return status_fail(STATUS_USAGE, "a file is missing; usage: lightkiln %s %s",
                            command_name(command), command_operands(command));
 
-    // A time limit stands alone unless samples are asked for, too.
-    if (is_given(given, "time") && !is_given(given, "spp"))
+    // Other limits stand alone unless samples are asked for, too.
+    if ((is_given(given, "time") || is_given(given, "noise")) && !is_given(given, "spp"))
         options->settings.spp = 0;
     if (options->quiet && !is_given(given, "log-level"))
         options->log_level = LK_LOG_ERROR;

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <time.h>
 
 #define CL_TARGET_OPENCL_VERSION 120
@@ -329,7 +330,7 @@ void gpu_close(struct gpu *gpu)
 }
 
 // Between looks at an event. Short beside a batch; each look takes some microseconds.
-#define LOOK_EVERY_NS 20000
+#define LOOK_EVERY_NS 30000
 
 enum status gpu_wait(struct gpu *gpu)
 {
@@ -344,10 +345,13 @@ enum status gpu_wait(struct gpu *gpu)
     if (error == CL_SUCCESS)
         error = clFlush(gpu->queue);
     cl_int state = CL_QUEUED;
+    const int slack_ns = prctl(PR_GET_TIMERSLACK);
+    prctl(PR_SET_TIMERSLACK, 1); // sleep no longer than is asked for
     while (error == CL_SUCCESS && state > CL_COMPLETE) {
         nanosleep(&(const struct timespec){.tv_nsec = LOOK_EVERY_NS}, NULL);
         error = clGetEventInfo(end, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof(state), &state, NULL);
     }
+    prctl(PR_SET_TIMERSLACK, slack_ns);
     if (end != NULL)
         clReleaseEvent(end);
     if (error == CL_SUCCESS && state < 0)

@@ -16,8 +16,9 @@
 /** All zero is a valid empty one. */
 struct film {
     struct kernel kernel;
-    struct buffer pixels; // struct film_pixel of a span's pixels
-    uint32_t built;       // programs compiled from source
+    struct buffer pixels;    // struct film_pixel of a span's pixels
+    struct film_pixel *rows; // the same on their way, of pixels that are not consecutive; owned
+    uint32_t built;          // programs compiled from source
 };
 
 /** Bytes that a pixel takes on the device. */

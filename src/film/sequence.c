@@ -55,7 +55,7 @@ struct batch sequence_batch(const struct sequence *s, uint32_t paths)
         .count = paths < alike ? paths : (uint32_t)alike,
         .pixel_count = s->span.pixel_count,
         .sample_shift = s->sample_shift,
-        .first_pixel = s->span.first_pixel,
+        .first_pixel = s->span.places != NULL ? 0 : s->span.first_pixel,
     };
 }
 
@@ -74,9 +74,9 @@ uint64_t sequence_paths(const struct sequence *s)
     return (s->first_sample - s->span.first_sample) * s->span.pixel_count + s->done;
 }
 
-uint64_t sequence_samples(const struct sequence *s, uint32_t place)
+uint64_t sequence_samples(const struct sequence *s, uint32_t index)
 {
-    const uint64_t before = (uint64_t)place << s->sample_shift; // of the pass, before this pixel's
+    const uint64_t before = (uint64_t)index << s->sample_shift; // of the pass, before this pixel's
     const uint64_t own = s->done > before ? s->done - before : 0;
     const uint64_t most = 1ull << s->sample_shift;
     return s->first_sample + (own < most ? own : most);

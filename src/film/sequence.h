@@ -12,15 +12,23 @@
 #define FILM_SEQUENCE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "shared/path.h"
 
-/** A part of the work: consecutive pixels in Z-order, and samples of each. */
+/** A part of the work: pixels, and samples of each. */
 struct span {
-    uint32_t first_pixel, pixel_count;
+    uint32_t first_pixel, pixel_count; // consecutive in Z-order, unless
     uint64_t first_sample, end_sample; // those before are taken; end UINT64_MAX: without end
+    const uint32_t *places;            // [pixel_count] in Z-order tell them; NULL: none. Borrowed
 };
+
+/** The place in Z-order of a span's pixel. */
+static inline uint32_t span_place(const struct span *span, uint32_t index)
+{
+    return span->places != NULL ? span->places[index] : span->first_pixel + index;
+}
 
 /** Where the work on a span stands. Not to be changed but by the functions below. */
 struct sequence {
@@ -46,7 +54,7 @@ bool sequence_ended(const struct sequence *sequence);
 /** Paths of the span that were taken. */
 uint64_t sequence_paths(const struct sequence *sequence);
 
-/** Samples taken of a pixel, by its place in the span: with those before the span. */
-uint64_t sequence_samples(const struct sequence *sequence, uint32_t place);
+/** Samples taken of a pixel, by its index in the span: with those before the span. */
+uint64_t sequence_samples(const struct sequence *sequence, uint32_t index);
 
 #endif

@@ -47,6 +47,7 @@ static void write_picture_settings(struct json *json, const struct lk_settings *
     json_uint(json, "height", settings->height);
     json_string(json, "camera", settings->camera);
     json_uint(json, "spp", settings->spp);
+    json_float(json, "noise", settings->noise);
     json_uint(json, "depth", settings->depth);
     json_uint(json, "shadow_rays", settings->shadow_rays);
     json_string(json, "light_sampler", choices_light_sampler[settings->light_sampler]);
@@ -191,7 +192,10 @@ enum status report_write(struct json *json, const struct lk_render_info *info, c
         write_kernels(json, info);
     write_rays(json, info);
     json_uint(json, "kernels_from_source", info->kernels_from_source);
-    json_null(json, "noise"); // not estimated
+    if (info->noise >= 0.0)
+        json_double(json, "noise", info->noise);
+    else
+        json_null(json, "noise"); // not estimated
     json_object_end(json);
     return json_finish(json);
 }

@@ -24,6 +24,7 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->counters),
         ARG_BUFFER(&w->points),
+        ARG_BUFFER(&w->places),
     };
     return kernel_enqueue(context->gpu, &direct->kernel, args, sizeof(args) / sizeof(args[0]),
                           stage_trace_items(context, &direct->kernel));

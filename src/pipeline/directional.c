@@ -27,8 +27,9 @@ enum status directional_enqueue(const struct directional *directional,
         ARG_BUFFER(&scene->map_texels),
         ARG_BUFFER(&scene->map_alias),
         ARG_BUFFER(&w->points),
+        ARG_BUFFER(&w->places),
     };
-    const size_t count = sizeof(args) / sizeof(args[0]) - (scene->map.width > 0 ? 0 : 5);
+    const size_t count = sizeof(args) / sizeof(args[0]) - (scene->map.width > 0 ? 0 : 6);
     return kernel_enqueue(context->gpu, &directional->kernel, args, count,
                           stage_trace_items(context, &directional->kernel));
 }

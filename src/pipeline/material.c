@@ -66,8 +66,9 @@ enum status material_enqueue(const struct material_stage *material,
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->hits),
         ARG_BUFFER(&w->points),
+        ARG_BUFFER(&w->places),
     };
-    size_t shared_count = 20; // arguments that every variant takes
+    size_t shared_count = 21; // arguments that every variant takes
     if (material->normal_maps)
         args[shared_count++] = (struct kernel_arg)ARG_BUFFER(&scene->tangents);
     if (material->textures_bound)

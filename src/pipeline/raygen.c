@@ -16,6 +16,7 @@ enum status raygen_enqueue(const struct raygen *raygen, const struct stage_conte
         ARG_BUFFER(&w->settings),   ARG_BUFFER(&w->camera),   ARG_VALUE(context->batch),
         ARG_VALUE(w->bounce_count), ARG_BUFFER(&w->rays),     ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->queue[0]),   ARG_BUFFER(&w->counters), ARG_BUFFER(&w->points),
+        ARG_BUFFER(&w->places),
     };
     return kernel_enqueue(context->gpu, &raygen->kernel, args, sizeof(args) / sizeof(args[0]),
                           items);

@@ -19,6 +19,7 @@ enum status scatter_enqueue(const struct scatter *scatter, const struct stage_co
         ARG_BUFFER(&w->rays),
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->points),
+        ARG_BUFFER(&w->places),
     };
     return kernel_enqueue(context->gpu, &scatter->kernel, args, sizeof(args) / sizeof(args[0]),
                           context->batch.count);

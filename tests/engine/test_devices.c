@@ -100,6 +100,22 @@ static void a_picture_smaller_than_its_devices_is_whole(void **state)
     lk_image_free(alone);
 }
 
+static void several_devices_stop_at_a_noise_as_one_does(void **state)
+{
+    (void)state;
+    skip_without_pair();
+    struct lk_settings settings = test_settings(75, 53, 0);
+    settings.noise = 0.3f;
+    settings.device = one;
+    struct lk_image *alone = render(scene, &settings);
+    settings.device = pair;
+    struct lk_image *shared = render(scene, &settings);
+    assert_true(is_same_image(alone, shared));
+    assert_true(lk_image_info(alone)->noise == lk_image_info(shared)->noise);
+    lk_image_free(shared);
+    lk_image_free(alone);
+}
+
 static void every_path_is_told_of_once(void **state)
 {
     (void)state;
@@ -231,6 +247,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(several_devices_give_the_bits_of_one),
         cmocka_unit_test(a_picture_smaller_than_its_devices_is_whole),
+        cmocka_unit_test(several_devices_stop_at_a_noise_as_one_does),
         cmocka_unit_test(every_path_is_told_of_once),
         cmocka_unit_test(time_ends_a_shared_render),
         cmocka_unit_test(cancelled_shared_render_keeps_what_was_finished),

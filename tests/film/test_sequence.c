@@ -51,7 +51,7 @@ static void each_sample_comes_once_however_batches_are_cut(void **state)
                 uint8_t *counts = calloc((size_t)pixels * spp, 1);
                 struct sequence sequence;
                 const uint32_t first = seed % 5; // a span from the middle, at times
-                const struct span span = {7 * first, pixels, first, first + spp};
+                const struct span span = {7 * first, pixels, first, first + spp, NULL};
                 sequence_begin(&sequence, &span, seed % 2 == 0);
                 take(&sequence, counts, spp, UINT64_MAX, largest, &seed);
                 assert_int_equal(sequence_paths(&sequence), (uint64_t)pixels * spp);
@@ -70,7 +70,7 @@ static void samples_of_a_pixel_are_counted_and_even_at_any_time(void **state)
     for (uint64_t stop = 0; stop < 40 * PIXELS; stop += 37) {
         struct sequence sequence;
         memset(counts, 0, sizeof(counts));
-        const struct span span = {0, PIXELS, 0, UINT64_MAX};
+        const struct span span = {0, PIXELS, 0, UINT64_MAX, NULL};
         sequence_begin(&sequence, &span, true);
         take(&sequence, counts, SPP_MAX, stop, 300, &seed);
         uint64_t least = UINT64_MAX;
@@ -92,7 +92,7 @@ static void a_pass_of_a_huge_image_fits_32_bits(void **state)
     (void)state;
     const uint32_t pixels = 1u << 28;
     struct sequence sequence;
-    const struct span span = {0, pixels, 0, 64};
+    const struct span span = {0, pixels, 0, 64, NULL};
     sequence_begin(&sequence, &span, true);
     for (int i = 0; i < 1000000 && !sequence_ended(&sequence); i++) {
         const struct batch batch = sequence_batch(&sequence, 1u << 21);

@@ -1,0 +1,73 @@
+/**
+ * @file
+ * How noisy a picture is, and which pixels go on until it is less so.
+ *
+ * The error of a tile, 256 consecutive pixels in Z-order, is the root mean square over its pixels
+ * and channels of what they are off, relative to the root mean square of their values, or to a
+ * tenth of the picture's mean where that is more. The noise of a picture is the error that one tile
+ * in a hundred exceeds.
+ *
+ * Samples are taken in rounds that raise the samples of a pixel along 1, 8, 16, 32, 48, 64, 96,
+ * 128, 192, ... After one, the samples before it and those of it are two estimates of a pixel; from
+ * their difference comes the error of the two together (as from two buffers: F. Rousselle et al.,
+ * "Adaptive Rendering with Non-Local Means Filtering", 2012, section 4.1). Spread samples complete
+ * each other, so that it is told a little too large.
+ *
+ * Pixels whose error is above the one asked for go on. They do so by halves of a tile, the even or
+ * the odd ones in that order, and a half goes by the error of its sibling, with which it shares no
+ * random number: stopping pixels by their own samples would keep those that happen to be dark and
+ * even, and darken the picture. What bias is left is of second order: the end of a render depends
+ * on all pixels, and how long a half's sibling goes on depends on the half. For the same reason the
+ * error that is told of a half is not one that it was chosen for.
+ */
+#ifndef FILM_NOISE_H
+#define FILM_NOISE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/status.h"
+#include "film/canvas.h"
+#include "film/sequence.h"
+
+/** What is known of half a tile, mean over pixels and channels. */
+struct noise_half {
+    double variance;  // of a pixel's mean
+    double square;    // of a pixel's mean
+    double mean;      // of a pixel
+    uint32_t samples; // of each pixel, when this was measured; 0: never
+    bool goes_on;     // in the round
+};
+
+/** All zero is a valid empty one. */
+struct noise {
+    struct noise_half *halves; // [2 * tile_count]; owned
+    double *errors;            // [tile_count] scratch; owned
+    float *before;             // [3 * pixel_count] sums when the pixel's last round began; owned
+    uint32_t *places;          // [pixel_count] pixels of the round, if they are not all; owned
+    uint32_t pixel_count, tile_count;
+    struct span round; // the last
+    double asked;      // noise
+    double reached;    // negative until it is estimated
+};
+
+/** @param asked  Noise to end with, > 0. @retval STATUS_NO_MEMORY */
+enum status noise_create(struct noise *out, uint32_t pixel_count, double asked);
+
+/**
+ * Decides on the next round.
+ *
+ * @param canvas    With all of the last round.
+ * @param most      Samples that no pixel is to have more of.
+ * @param[out] out  The round; its places are borrowed until the next call.
+ * @return False if the noise is as low as asked, or no pixel may go on.
+ */
+bool noise_next(struct noise *noise, const struct canvas *canvas, uint64_t most, struct span *out);
+
+/** Estimates the noise of a canvas that may have a part of the last round. Negative if it cannot be
+ * estimated: no pixel has more than 8 samples. */
+double noise_estimate(const struct noise *noise, const struct canvas *canvas);
+
+void noise_free(struct noise *noise);
+
+#endif
