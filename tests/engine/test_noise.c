@@ -52,7 +52,7 @@ static void the_noise_asked_for_is_reached(void **state)
     (void)state;
     skip_without_device();
     double last = 0.0; // samples
-    for (float noise = 0.1f; noise > 0.02f; noise *= 0.5f) {
+    for (float noise = 0.1f; noise > 0.04f; noise *= 0.5f) {
         const struct lk_settings settings = noise_settings(64, 64, noise);
         struct lk_image *image = render(scene, &settings);
         const struct lk_render_info *info = lk_image_info(image);
