@@ -130,7 +130,7 @@ double noise_estimate(const struct noise *noise, const struct canvas *canvas)
             square += count * half->square;
             size += count;
         }
-        noise->errors[tile] = variance / fmax(square, size * dark);
+        noise->errors[tile] = variance / fmax(square - variance, size * dark);
     }
     qsort(noise->errors, noise->tile_count, sizeof(*noise->errors), compare_errors);
     return sqrt(noise->errors[(uint32_t)ceil(TILES_SHARE * noise->tile_count) - 1]);
@@ -141,7 +141,8 @@ static double told_error(const struct noise *noise, uint32_t half, double dark)
 {
     const uint32_t other = half_size(noise, half ^ 1u) > 0 ? half ^ 1u : half;
     const struct noise_half *from = &noise->halves[other];
-    return from->variance / fmax(from->square, dark) * from->samples / noise->halves[half].samples;
+    const double square = fmax(from->square - from->variance, dark);
+    return from->variance / square * from->samples / noise->halves[half].samples;
 }
 
 // Marks the halves that go on: of those above the error asked for the ones with the fewest samples,

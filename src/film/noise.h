@@ -15,10 +15,11 @@
  *
  * Pixels whose error is above the one asked for go on. They do so by halves of a tile, the even or
  * the odd ones in that order, and a half goes by the error of its sibling, with which it shares no
- * random number: stopping pixels by their own samples would keep those that happen to be dark and
- * even, and darken the picture. What bias is left is of second order: the end of a render depends
- * on all pixels, and how long a half's sibling goes on depends on the half. For the same reason the
- * error that is told of a half is not one that it was chosen for.
+ * random number: pixels that stopped by their own samples would keep those that happen to look
+ * better than they are. What bias is left is of second order: how long a sibling goes on depends on
+ * the half, and the end of a render on all pixels. Where one sample in 64 is 64 and the others are
+ * black, a noise of 0.5 changes the mean by (0.02 +- 0.04) %; by their own samples it is 0.22 %. For
+ * the same reason the error that is told of a half is not one that it was chosen for.
  */
 #ifndef FILM_NOISE_H
 #define FILM_NOISE_H
@@ -33,7 +34,7 @@
 /** What is known of half a tile, mean over pixels and channels. */
 struct noise_half {
     double variance;  // of a pixel's mean
-    double square;    // of a pixel's mean
+    double square;    // of a pixel's mean; what of it is noise is the variance
     double mean;      // of a pixel
     uint32_t samples; // of each pixel, when this was measured; 0: never
     bool goes_on;     // in the round

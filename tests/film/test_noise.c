@@ -57,9 +57,7 @@ static void render(struct noise *noise, struct canvas *canvas, uint32_t width, u
 // Of a pixel of that spread and so many samples.
 static double exact_error(uint32_t place, uint32_t samples)
 {
-    // Relative to the root mean square of its values.
-    const double variance = (double)spread_of(place) * spread_of(place) / samples;
-    return sqrt(variance / (1.0 + variance));
+    return spread_of(place) / sqrt(samples);
 }
 
 static void estimate_is_the_error_of_even_pixels(void **state)
@@ -130,6 +128,51 @@ static void no_pixel_has_more_samples_than_it_may(void **state)
     }
 }
 
+// One sample in 64 is 64, the others are black.
+static void draw_rare(struct canvas *canvas, const struct span *round, uint32_t seed)
+{
+    for (uint32_t i = 0; i < round->pixel_count; i++) {
+        const uint32_t place = span_place(round, i);
+        for (uint64_t n = round->first_sample; n < round->end_sample; n++)
+            if (rng_mix(rng_bits(seed, place, (uint32_t)n, 0).x) >> 26 == 0) {
+                float4 *sum = &canvas->pixels[place].sum;
+                sum->x += 64.0f;
+                sum->y += 64.0f;
+                sum->z += 64.0f;
+            }
+        canvas->samples[place] = (uint32_t)round->end_sample;
+    }
+}
+
+// Halves that stopped by their own samples would make the mean 1.0022, five standard errors more.
+static void stopping_changes_no_mean(void **state)
+{
+    (void)state;
+    enum { SEEDS = 30, SIDE = 128 };
+    double sum = 0.0;
+    double squares = 0.0;
+    for (uint32_t seed = 1; seed <= SEEDS; seed++) {
+        struct noise noise;
+        struct canvas canvas;
+        struct span round;
+        double mean = 0.0;
+        assert_ok(canvas_create(&canvas, SIDE, SIDE));
+        assert_ok(noise_create(&noise, SIDE * SIDE, 0.5));
+        while (noise_next(&noise, &canvas, MOST, &round))
+            draw_rare(&canvas, &round, seed);
+        for (uint32_t place = 0; place < SIDE * SIDE; place++)
+            mean += (double)canvas.pixels[place].sum.x / canvas.samples[place] / (SIDE * SIDE);
+        sum += mean;
+        squares += mean * mean;
+        noise_free(&noise);
+        canvas_free(&canvas);
+    }
+    const double mean = sum / SEEDS;
+    const double error = sqrt((squares / SEEDS - mean * mean) / (SEEDS - 1));
+    assert_true(error < 0.0006);
+    assert_true(fabs(mean - 1.0) < 4.0 * error);
+}
+
 // Each round is of pixels with equally many samples, none twice, whose partners are noisy.
 static void black_pictures_are_done_soon(void **state)
 {
@@ -177,6 +220,7 @@ int main(void)
         cmocka_unit_test(every_part_is_as_good_as_asked),
         cmocka_unit_test(even_parts_take_few_samples),
         cmocka_unit_test(no_pixel_has_more_samples_than_it_may),
+        cmocka_unit_test(stopping_changes_no_mean),
         cmocka_unit_test(rounds_are_of_pixels_with_equally_many_samples),
         cmocka_unit_test(black_pictures_are_done_soon),
     };
