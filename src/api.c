@@ -213,6 +213,11 @@ enum lk_status lk_compare(struct lk_comparison *out, struct lk_image **differenc
             "the image is %u x %u and the reference %u x %u; they must be of one size",
             image->width, image->height, reference->width, reference->height);
 
+    double noise = 0.0;
+    const enum status status =
+        compare_noise(&noise, image->rgb, reference->rgb, image->width, image->height);
+    if (status != STATUS_OK)
+        return (enum lk_status)status;
     struct lk_image *made = NULL;
     if (difference != NULL) {
         const size_t value_count = (size_t)image->width * image->height * 3;
@@ -230,5 +235,6 @@ enum lk_status lk_compare(struct lk_comparison *out, struct lk_image **differenc
     }
     compare_images(out, made != NULL ? made->rgb : NULL, image->rgb, reference->rgb, image->width,
                    image->height);
+    out->noise = noise;
     return LK_OK;
 }

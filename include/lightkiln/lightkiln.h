@@ -65,7 +65,7 @@ enum lk_log_level { LK_LOG_ERROR, LK_LOG_WARNING, LK_LOG_INFO, LK_LOG_DEBUG };
 typedef void lk_log_function(void *user, enum lk_log_level level, const char *message);
 
 /** Sends messages up to `level` to `function`, or to stderr if it is NULL. At the start: warnings,
- * to stderr. */
+ * to stderr. It is called one message at a time, during a render from any thread. */
 LK_API void lk_log_set(enum lk_log_level level, lk_log_function *function, void *user);
 
 /** Counts the warnings since the program began, shown or not. */
@@ -494,6 +494,7 @@ struct lk_comparison {
                      // R, G and B
     double rmse;     // root mean square over pixels and channels
     double relative_mse; // mean over pixels and channels of d^2 / (reference^2 + 0.01)
+    double noise;        // as in struct lk_settings: what one tile in a hundred exceeds
     double psnr_db;      // with the reference's largest value as peak; infinite for equal images
     double maximum;      // largest absolute difference
     uint32_t maximum_x, maximum_y; // where
@@ -505,7 +506,7 @@ struct lk_comparison {
  * Compares two images of one size.
  *
  * @param[out] difference  NULL, or the absolute difference as an image, to be freed by the caller.
- * @retval LK_FORMAT  The sizes differ.
+ * @retval LK_FORMAT  The sizes differ. @retval LK_NO_MEMORY
  */
 LK_API enum lk_status lk_compare(struct lk_comparison *out, struct lk_image **difference,
                                  const struct lk_image *image, const struct lk_image *reference);

@@ -16,6 +16,7 @@ static enum status print_json(const struct lk_comparison *c)
     json_double(&json, "variance", c->variance);
     json_double(&json, "rmse", c->rmse);
     json_double(&json, "relative_mse", c->relative_mse);
+    json_double(&json, "noise", c->noise);
     json_double(&json, "psnr_db", c->psnr_db); // null for equal images
     json_double(&json, "maximum", c->maximum);
     json_uint(&json, "maximum_x", c->maximum_x);
@@ -36,6 +37,7 @@ static void print_table(const struct lk_comparison *c)
     printf("variance        %.6g\n", c->variance);
     printf("RMSE            %.6g\n", c->rmse);
     printf("relative MSE    %.6g\n", c->relative_mse);
+    printf("noise           %.6g\n", c->noise);
     printf("PSNR            %.2f dB\n", c->psnr_db);
     printf("maximum         %.6g at %u, %u\n", c->maximum, c->maximum_x, c->maximum_y);
     printf("mean            %.6g %.6g %.6g\n", c->mean[0], c->mean[1], c->mean[2]);

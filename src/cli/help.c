@@ -101,8 +101,9 @@ void help_print_command(FILE *file, enum command command)
     case COMMAND_COMPARE:
         fprintf(file,
                 "\nPrints how far an image is from a reference: variance (mean over pixels of\n"
-                "the squared differences of R, G and B, summed), RMSE, relative MSE, PSNR and\n"
-                "the largest difference. Values are linear; 8-bit files are decoded.\n");
+                "the squared differences of R, G and B, summed), RMSE, relative MSE, noise as\n"
+                "--noise of render has it, PSNR and the largest difference. Values are linear;\n"
+                "8-bit files are decoded.\n");
         break;
     case COMMAND_INFO:
         fprintf(file, "\nPrints what a scene holds and the memory a render of it will take on the\n"

@@ -1,5 +1,6 @@
 #include "core/log.h"
 
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -8,6 +9,9 @@ static enum log_level highest_level = LOG_WARNING;
 static log_function *sink;        // NULL: stderr
 static void *sink_user;           // passed to sink
 static atomic_uint warning_count; // warnings so far
+
+// Several devices have a thread each.
+static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
 
 void log_set_level(enum log_level level)
 {
@@ -39,8 +43,10 @@ void log_message(enum log_level level, const char *format, ...)
     va_end(args);
 
     static const char *const prefixes[] = {"error: ", "warning: ", "", ""};
+    pthread_mutex_lock(&one_at_a_time);
     if (sink != NULL)
         sink(sink_user, level, text);
     else
         fprintf(stderr, "lightkiln: %s%s\n", prefixes[level], text);
+    pthread_mutex_unlock(&one_at_a_time);
 }

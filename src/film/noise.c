@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define TILE_SHIFT    8u    // log2 of the pixels of a tile
 #define HALF_PIXELS   128u  // of half a tile
 #define FIRST_SAMPLES 8u    // least that two estimates are compared from
 #define TILES_SHARE   0.99  // of the tiles are to be below the noise
@@ -15,7 +14,7 @@
 enum status noise_create(struct noise *out, uint32_t pixel_count, double asked)
 {
     struct noise noise = {.pixel_count = pixel_count, .asked = asked, .reached = -1.0};
-    noise.tile_count = ((pixel_count - 1) >> TILE_SHIFT) + 1;
+    noise.tile_count = ((pixel_count - 1) >> NOISE_TILE_SHIFT) + 1;
     noise.halves = calloc(noise.tile_count, 2 * sizeof(*noise.halves));
     noise.errors = calloc(noise.tile_count, sizeof(*noise.errors));
     noise.before = calloc(pixel_count, 3 * sizeof(*noise.before));
@@ -48,7 +47,7 @@ static uint64_t next_samples(uint64_t samples)
 // The place of a half's pixel i; they lie two apart.
 static uint32_t half_place(uint32_t half, uint32_t i)
 {
-    return (half >> 1 << TILE_SHIFT) + 2 * i + (half & 1);
+    return (half >> 1 << NOISE_TILE_SHIFT) + 2 * i + (half & 1);
 }
 
 // Pixels of a half: fewer, or none, at the picture's end.
@@ -93,14 +92,17 @@ static void measure(struct noise *noise, const struct canvas *canvas, uint32_t h
     noise->halves[half] = out;
 }
 
-// The least that a tile's square is taken for.
+double noise_dark_square(double mean)
+{
+    return fmax(DARK_SHARE * mean * DARK_SHARE * mean, NOTHING);
+}
+
 static double dark_square(const struct noise *noise)
 {
     double mean = 0.0;
     for (uint32_t h = 0; h < 2 * noise->tile_count; h++)
         mean += noise->halves[h].mean * half_size(noise, h);
-    mean *= DARK_SHARE / noise->pixel_count;
-    return fmax(mean * mean, NOTHING);
+    return noise_dark_square(mean / noise->pixel_count);
 }
 
 static int compare_errors(const void *a, const void *b)
@@ -108,6 +110,12 @@ static int compare_errors(const void *a, const void *b)
     const double x = *(const double *)a;
     const double y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+double noise_of_tiles(double *squared_errors, uint32_t count)
+{
+    qsort(squared_errors, count, sizeof(*squared_errors), compare_errors);
+    return sqrt(squared_errors[(uint32_t)ceil(TILES_SHARE * count) - 1]);
 }
 
 double noise_estimate(const struct noise *noise, const struct canvas *canvas)
@@ -132,8 +140,7 @@ double noise_estimate(const struct noise *noise, const struct canvas *canvas)
         }
         noise->errors[tile] = variance / fmax(square - variance, size * dark);
     }
-    qsort(noise->errors, noise->tile_count, sizeof(*noise->errors), compare_errors);
-    return sqrt(noise->errors[(uint32_t)ceil(TILES_SHARE * noise->tile_count) - 1]);
+    return noise_of_tiles(noise->errors, noise->tile_count);
 }
 
 // The squared error of a half, as its sibling tells it.
@@ -169,7 +176,7 @@ static void list(struct noise *noise, const struct canvas *canvas)
 {
     uint32_t count = 0;
     for (uint32_t place = 0; place < noise->pixel_count; place++) {
-        if (!noise->halves[2 * (place >> TILE_SHIFT) + (place & 1)].goes_on)
+        if (!noise->halves[2 * (place >> NOISE_TILE_SHIFT) + (place & 1)].goes_on)
             continue;
         for (int c = 0; c < 3; c++)
             noise->before[3 * (size_t)place + c] = (float)channel(&canvas->pixels[place], c);

@@ -18,8 +18,8 @@
  * random number: pixels that stopped by their own samples would keep those that happen to look
  * better than they are. What bias is left is of second order: how long a sibling goes on depends on
  * the half, and the end of a render on all pixels. Where one sample in 64 is 64 and the others are
- * black, a noise of 0.5 changes the mean by (0.02 +- 0.04) %; by their own samples it is 0.22 %. For
- * the same reason the error that is told of a half is not one that it was chosen for.
+ * black, a noise of 0.5 changes the mean by (0.02 +- 0.04) %; by their own samples it is 0.22 %.
+ * For the same reason the error that is told of a half is not one that it was chosen for.
  */
 #ifndef FILM_NOISE_H
 #define FILM_NOISE_H
@@ -70,5 +70,14 @@ bool noise_next(struct noise *noise, const struct canvas *canvas, uint64_t most,
 double noise_estimate(const struct noise *noise, const struct canvas *canvas);
 
 void noise_free(struct noise *noise);
+
+/** Log2 of the pixels of a tile. */
+#define NOISE_TILE_SHIFT 8u
+
+/** The least that the mean square of a tile's values is taken for in a picture of that mean. */
+double noise_dark_square(double mean);
+
+/** The noise of tiles with these squared errors, [count] >= 1; sorts them. */
+double noise_of_tiles(double *squared_errors, uint32_t count);
 
 #endif

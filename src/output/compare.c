@@ -1,6 +1,10 @@
 #include "output/compare.h"
 
 #include <math.h>
+#include <stdlib.h>
+
+#include "film/noise.h"
+#include "shared/zorder.h"
 
 // Sums over all values that count.
 struct sums {
@@ -57,4 +61,39 @@ void compare_images(struct lk_comparison *out, float *difference, const float *i
         }
     }
     finish(out, &sums, pixel_count);
+}
+
+enum status compare_noise(double *out, const float *image, const float *reference, uint32_t width,
+                          uint32_t height)
+{
+    const uint32_t pixel_count = width * height;
+    const uint32_t tile_count = ((pixel_count - 1) >> NOISE_TILE_SHIFT) + 1;
+    double *errors = calloc(tile_count, 2 * sizeof(*errors)); // of tiles, then squares of values
+    if (errors == NULL)
+        return status_fail(STATUS_NO_MEMORY, "not enough memory to compare %u pixels", pixel_count);
+    double *squares = errors + tile_count;
+    double mean = 0.0;
+    double count = 0.0;
+    for (uint32_t place = 0; place < pixel_count; place++) {
+        const size_t first = 3 * (size_t)zorder_pixel(place, width, height);
+        for (size_t i = first; i < first + 3; i++) {
+            if (!isfinite(image[i]) || !isfinite(reference[i]))
+                continue;
+            const double r = (double)reference[i];
+            const double d = (double)image[i] - r;
+            errors[place >> NOISE_TILE_SHIFT] += d * d;
+            squares[place >> NOISE_TILE_SHIFT] += r * r;
+            mean += r;
+            count += 1.0;
+        }
+    }
+    const double dark = noise_dark_square(mean / fmax(count, 1.0));
+    for (uint32_t tile = 0; tile < tile_count; tile++) {
+        const uint32_t left = pixel_count - (tile << NOISE_TILE_SHIFT);
+        const uint32_t size = left < 1u << NOISE_TILE_SHIFT ? left : 1u << NOISE_TILE_SHIFT;
+        errors[tile] /= fmax(squares[tile], 3.0 * size * dark);
+    }
+    *out = noise_of_tiles(errors, tile_count);
+    free(errors);
+    return STATUS_OK;
 }

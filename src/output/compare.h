@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/status.h"
 #include "lightkiln/lightkiln.h"
 
 /**
@@ -19,5 +20,10 @@
  */
 void compare_images(struct lk_comparison *out, float *difference, const float *image,
                     const float *reference, uint32_t width, uint32_t height);
+
+/** Measures the noise of an image, as film/noise.h has it; other parameters as above.
+ * @retval STATUS_NO_MEMORY */
+enum status compare_noise(double *out, const float *image, const float *reference, uint32_t width,
+                          uint32_t height);
 
 #endif

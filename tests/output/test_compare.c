@@ -79,12 +79,47 @@ static void largest_difference_is_found_by_row_and_column(void **state)
     assert_int_equal(result.maximum_y, 2);
 }
 
+static void noise_is_that_of_the_worst_tile_but_one_in_a_hundred(void **state)
+{
+    (void)state;
+    enum { TILES = 200, TILE = 256 };
+    static float reference[TILES * TILE * 3];
+    static float image[TILES * TILE * 3];
+    double noise = 0.0;
+    for (int i = 0; i < TILES * TILE * 3; i++) {
+        const int tile = i / (3 * TILE);
+        reference[i] = 2.0f;
+        image[i] = 2.0f + (tile < 2 ? 1.0f : tile < 10 ? 0.5f : 0.125f);
+    }
+    assert_int_equal(compare_noise(&noise, image, reference, TILES * TILE, 1), STATUS_OK);
+    assert_close(noise, 0.25);
+    image[6 * TILE] = NAN; // one of 768 values of a tile that does not count
+    assert_int_equal(compare_noise(&noise, image, reference, TILES * TILE, 1), STATUS_OK);
+    assert_close(noise, 0.25);
+}
+
+static void dark_tiles_are_measured_by_the_mean(void **state)
+{
+    (void)state;
+    float reference[512 * 3];
+    float image[512 * 3];
+    double noise = 0.0;
+    for (int i = 0; i < 512 * 3; i++) {
+        reference[i] = i < 256 * 3 ? 1.0f : 0.0f;
+        image[i] = i < 256 * 3 ? 1.0f : 0.01f;
+    }
+    assert_int_equal(compare_noise(&noise, image, reference, 512, 1), STATUS_OK);
+    assert_true(fabs(noise - 0.01 / (0.1 * 0.5)) < 1e-6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_images_have_no_difference),
         cmocka_unit_test(measures_match_their_definitions),
         cmocka_unit_test(values_that_are_not_finite_are_counted_and_left_out),
+        cmocka_unit_test(noise_is_that_of_the_worst_tile_but_one_in_a_hundred),
+        cmocka_unit_test(dark_tiles_are_measured_by_the_mean),
         cmocka_unit_test(largest_difference_is_found_by_row_and_column),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
