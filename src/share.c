@@ -9,12 +9,13 @@
 #include "core/clock.h"
 #include "film/noise.h"
 
-#define SPAN_SECONDS_MAX  1.0   // a device takes no more at a time: its speed may change
-#define SPAN_SECONDS_MIN  0.008 // nor less, so that launches and copies are worth their while
-#define ROUND_SECONDS_MAX 10.0  // a cancelled render has pixels that are up to a round apart
-#define ROUND_SECONDS_MIN 0.5   // the end of a round costs some milliseconds
-#define PROGRESS_EVERY    0.1   // seconds between calls of the hook
-#define WARM_UP_PIXELS    1024u
+#define SPAN_SECONDS_MAX  1.0        // a device takes no more at a time: its speed may change
+#define SPAN_SECONDS_MIN  0.008      // nor less, so that launches and copies are worth their while
+#define ROUND_SECONDS_MAX 10.0       // a cancelled render has pixels that are up to a round apart
+#define ROUND_SECONDS_MIN 0.5        // the end of a round costs some milliseconds
+#define PROGRESS_EVERY    0.1        // seconds between calls of the hook
+#define WARM_UP_SECONDS   0.004      // of a batch that tells a speed: launches take a part of it
+#define WARM_UP_BATCHES   8          // each has up to four times as many paths as the one before
 #define SAMPLES_MAX       (1u << 24) // where nothing else ends them
 #define PIXELS_STEP       64u        // spans are whole tiles of the Z-order, for coherence
 
@@ -73,7 +74,8 @@ static void end(struct share *s, enum status status, const struct renderer *wher
     pthread_cond_broadcast(&s->changed);
 }
 
-// Decides on the samples that all pixels take in the next round. False if none are left.
+// Decides on the samples that all pixels take in the next round: first one, so that a cancelled
+// render has something of every pixel. False if none are left.
 static bool next_samples(struct share *s)
 {
     const struct lk_settings *settings = &s->render->info->settings;
@@ -87,10 +89,10 @@ static bool next_samples(struct share *s)
     samples = fmin(samples, per_second * ROUND_SECONDS_MAX);
     if (settings->time_s > 0.0)
         samples = fmin(samples, per_second * (s->start_s + settings->time_s - clock_seconds()));
-    uint64_t count = samples > 1.0 ? (uint64_t)samples : 1;
+    uint64_t count = samples > 1.0 && round->first_sample > 0 ? (uint64_t)samples : 1;
     if (count >= 32)
         count -= count % 16; // whole passes
-    if (count > left || left - count < count / 4)
+    if (count > left || (count > 1 && left - count < count / 4))
         count = left;
     round->end_sample = round->first_sample + count;
     return true;
@@ -202,37 +204,42 @@ static void render_span(struct worker *w, const struct span *span)
     give_span(w, sequence_paths(&sequence), clock_seconds() - begin, status);
 }
 
-// Two batches that nobody sees: one waits for kernels that are compiled when first launched, the
-// other finds out a speed to begin with.
+// Batches that nobody sees: the first waits for kernels that are compiled when first launched, the
+// others grow until their time tells how fast the device is.
 static enum status warm_up(struct worker *w)
 {
+    struct share *s = w->share;
     struct renderer *r = w->renderer;
-    const uint32_t pixels = r->camera.width * r->camera.height;
-    const struct span span = {.pixel_count = pixels < WARM_UP_PIXELS ? pixels : WARM_UP_PIXELS,
-                              .end_sample = 2};
-    struct sequence sequence;
-    sequence_begin(&sequence, &span, true);
-    double begin = clock_seconds();
-    enum status status = film_begin(&r->film, &r->gpu, &w->share->render->canvas, &span);
-    if (status == STATUS_OK)
-        status = renderer_batch(r, &sequence, false);
-    r->build_s += clock_seconds() - begin;
+    const struct span span = {.pixel_count = r->camera.width * r->camera.height,
+                              .end_sample = SAMPLES_MAX};
+    const double start = clock_seconds();
+    double rate = 0.0;
+    enum status status = film_begin(&r->film, &r->gpu, &s->render->canvas, &span);
+    for (int i = 0; i < WARM_UP_BATCHES && status == STATUS_OK; i++) {
+        struct sequence sequence;
+        sequence_begin(&sequence, &span, false);
+        const double begin = clock_seconds();
+        status = renderer_batch(r, &sequence, i > 0);
+        const double seconds = fmax(clock_seconds() - begin, 1e-6);
+        rate = (double)sequence_paths(&sequence) / seconds;
+        if (i > 0 && seconds > WARM_UP_SECONDS)
+            break;
+    }
+    r->build_s += clock_seconds() - start;
+    r->rays = (struct ray_counts){0};
     if (status != STATUS_OK)
         return status;
-    if (sequence_ended(&sequence))
-        sequence_begin(&sequence, &span, true);
-    const uint64_t before = sequence_paths(&sequence);
-    begin = clock_seconds();
-    status = renderer_batch(r, &sequence, true);
-    const double seconds = clock_seconds() - begin;
-    r->rays = (struct ray_counts){0};
-    pthread_mutex_lock(&w->share->lock);
-    w->rate = (double)(sequence_paths(&sequence) - before) / fmax(seconds, 1e-6);
-    if (w->share->start_s == 0.0)
-        w->share->start_s = clock_seconds();
-    pthread_cond_broadcast(&w->share->changed);
-    pthread_mutex_unlock(&w->share->lock);
-    return status;
+
+    // Who is ready first begins.
+    pthread_mutex_lock(&s->lock);
+    w->rate = rate;
+    if (s->start_s == 0.0) {
+        s->start_s = clock_seconds();
+        begin_round(s);
+    }
+    pthread_cond_broadcast(&s->changed);
+    pthread_mutex_unlock(&s->lock);
+    return STATUS_OK;
 }
 
 static void *work(void *user)
@@ -333,8 +340,7 @@ enum status share_paths(struct render *render)
     struct share share = {
         .render = render,
         .workers = calloc(render->renderer_count, sizeof(*share.workers)),
-        // A short first round, to learn how fast devices are.
-        .round = {.pixel_count = render->canvas.width * render->canvas.height, .end_sample = 1},
+        .round = {.pixel_count = render->canvas.width * render->canvas.height},
     };
     if (share.workers == NULL)
         return status_fail(STATUS_NO_MEMORY, "no memory for %zu devices", render->renderer_count);
@@ -346,8 +352,6 @@ enum status share_paths(struct render *render)
         free(share.workers);
         return status;
     }
-    if (asked > 0.0)
-        noise_next(&share.noise, &render->canvas, SAMPLES_MAX, &share.round);
     pthread_condattr_t monotonic;
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
