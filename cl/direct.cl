@@ -14,21 +14,36 @@
 
 #define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
 
-// The numbers of shadow ray k. Rays that draw from all lights share one sequence; where there is
-// one to each light, each has its own.
+// The numbers of a round of choosing lights. Rounds that draw from all lights share one sequence;
+// where there is one to each light, each has its own.
 static inline uint4 light_numbers(__constant struct settings *settings,
                                   __global const uint4 *restrict points,
-                                  const struct path_place place, const uint bounce, const uint k)
+                                  const struct path_place place, const uint bounce,
+                                  const uint round)
 {
 #if LIGHT_SAMPLER == LIGHT_SAMPLER_ALL
     const uint number = place.sample;
-    const uint index = k;
+    const uint index = round;
 #else
-    const uint number = place.sample * settings->shadow_rays + k;
+    const uint number = place.sample * settings->shadow_rays + round;
     const uint index = 0;
 #endif
     return samples_draw(settings, points, place.pixel, number, bounce, RNG_USE_LIGHT, index);
 }
+
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+
+// The numbers of the place on one of the lights of a round: each light has its own sequence.
+static inline uint4 light_place_numbers(__constant struct settings *settings,
+                                        __global const uint4 *restrict points,
+                                        const struct path_place place, const uint bounce,
+                                        const uint round, const uint light)
+{
+    const uint number = place.sample * settings->shadow_rays + round;
+    return samples_draw(settings, points, place.pixel, number, bounce, RNG_USE_LIGHT, light + 1);
+}
+
+#endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     TRACED_PARAMETERS, __constant struct settings *settings, const struct batch batch,
@@ -40,7 +55,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     __global const uint *restrict places)
 {
     TRACED_SCENE(scene);
-    const uint ray_count = light_ray_count(settings);
+    const uint round_count = light_round_count(settings);
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
     QUEUE_LOCAL(run);
@@ -58,34 +73,43 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
         const struct path_place place = samples_place(batch, places, slot);
 
         float3 sum = (float3)(0.0f); // over the shadow rays
-        for (uint k = 0; k < ray_count; k++) {
-            // Draw a light.
-            const uint4 numbers = light_numbers(settings, points, place, bounce, k);
-            float expected; // times this hit takes this light, on average
-            const uint light =
-                light_draw(&expected, settings, light_nodes, p, b.normal, k, numbers.x);
-            if (light == EMITTER_NONE)
-                continue;
+        for (uint round = 0; round < round_count; round++) {
+            // Choose lights.
+            uint4 numbers = light_numbers(settings, points, place, bounce, round);
+            struct light_choice choice;
+            light_choice_begin(&choice, settings, light_nodes, p, b.normal, round, numbers.x);
+            for (;;) {
+                float expected; // times this hit takes this light, on average
+                const uint light =
+                    light_choice_next(&expected, &choice, settings, light_nodes, p, b.normal);
+                if (light == EMITTER_NONE)
+                    break;
 
-            // Draw a point on it, and weigh what comes from there.
-            const struct light_sample sampled = light_sample(
-                lights, shapes, light, &scene.surface, p, rng_unit(numbers.y), rng_unit(numbers.z));
-            if (max3(sampled.radiance) <= 0.0f)
-                continue;
-            float density = 0.0f; // with which a bounce finds this direction
-            float3 value = bsdf_eval(&density, &b, sampled.dir) * sampled.radiance;
-            if (max3(value) <= 0.0f)
-                continue;
-            if (sampled.density > 0.0f) {
-                expected *= sampled.density;
-                if (!alone && sampled.is_hittable)
-                    value *= mis_weight(expected, density);
+                    // Draw a point on it, and weigh what comes from there.
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+                numbers = light_place_numbers(settings, points, place, bounce, round, light);
+#endif
+                const struct light_sample sampled =
+                    light_sample(lights, shapes, light, &scene.surface, p, rng_unit(numbers.y),
+                                 rng_unit(numbers.z));
+                if (max3(sampled.radiance) <= 0.0f)
+                    continue;
+                float density = 0.0f; // with which a bounce finds this direction
+                float3 value = bsdf_eval(&density, &b, sampled.dir) * sampled.radiance;
+                if (max3(value) <= 0.0f)
+                    continue;
+                if (sampled.density > 0.0f) {
+                    expected *= sampled.density;
+                    if (!alone && sampled.is_hittable)
+                        value *= mis_weight(expected, density);
+                }
+
+                // Ask whether the way is free.
+                traced++;
+                sum +=
+                    value / expected *
+                    traverse_light(nodes, &scene, p, sampled.dir, sampled.distance * SHADOW_REACH);
             }
-
-            // Ask whether the way is free.
-            traced++;
-            sum += value / expected *
-                   traverse_light(nodes, &scene, p, sampled.dir, sampled.distance * SHADOW_REACH);
         }
         paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
     }

@@ -8,6 +8,7 @@
 #include "prep/samples.h"
 #include "prepare.h"
 #include "settings.h"
+#include "shared/light.h"
 
 #define BATCH_SECONDS 0.15   // aim for one batch: no launch in it can last longer
 #define FIRST_PATHS   1024u  // paths of the first batch: it finds out how fast the device is,
@@ -52,8 +53,11 @@ static enum status create_wavefront(struct renderer *r)
 // The size of the first batch: small, so that a slow device is found out before a launch is long.
 static uint32_t first_batch(const struct renderer *r)
 {
-    const uint32_t rays = r->chosen.light_sampler == LK_LIGHTS_ALL ? r->settings.light_count
-                                                                   : r->settings.shadow_rays;
+    uint32_t rays = r->settings.shadow_rays;
+    if (r->chosen.light_sampler == LK_LIGHTS_ALL)
+        rays = r->settings.light_count;
+    else if (r->chosen.light_sampler == LK_LIGHTS_IMPORTANCE)
+        rays *= LIGHT_WALK_MOST;
     uint32_t paths = rays > FIRST_RAYS / FIRST_PATHS ? FIRST_RAYS / rays : FIRST_PATHS;
     paths = paths < PATHS_MIN ? PATHS_MIN : paths;
     return paths < r->wavefront.capacity ? paths : r->wavefront.capacity;

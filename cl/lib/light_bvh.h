@@ -1,11 +1,24 @@
 /**
  * @file
- * Drawing a light by its estimated contribution, from the 8-wide light BVH (prep/light_bvh.h).
+ * Drawing lights by their estimated contribution, from the 8-wide light BVH (prep/light_bvh.h).
  *
  * Source of the estimate: A. Conty Estevez, C. Kulla, 2018, section 4.2: power over squared
  * distance, times the largest cosines that the bounds allow at the light and at the surface.
  * Differs from it: the window of KHR_lights_punctual's range is a factor, so that lights out of
  * reach have probability 0. All bounds err on the side of more, so no light that contributes has.
+ *
+ * Near a cluster the estimate is worth little: a light beside the point may send more than all the
+ * others together. Clusters near the point are therefore replaced by their children first, as the
+ * paper's splitting does (section 5.4), but the heaviest first and not more than some: what comes
+ * out is a cut of the tree, the same for all draws at the point.
+ *
+ * Differs from the paper's splitting: not every cluster of the cut gets a ray. Lights are taken by
+ * systematic sampling (W. G. Madow, L. H. Madow, "On the Theory of Systematic Sampling", 1944):
+ * they lie side by side on a line, each as long as its share of the draws, and positions one apart,
+ * the first of which is random, take the lights that they fall into. A light as long as 1 or longer
+ * is always taken, once; so few lights that send about as much are all taken, and where one
+ * outshines the others little more than one ray is spent. The line is never made: a cluster's part
+ * of it is divided only if positions fall into it.
  */
 #ifndef LIB_LIGHT_BVH_H
 #define LIB_LIGHT_BVH_H
@@ -14,6 +27,10 @@
 #include "shared/geometry.h"
 #include "shared/light.h"
 #include "shared/rng.h"
+
+#define LIGHT_CUT_SPLITS 8 // clusters that are replaced at most: 10,000 lights want so many
+#define LIGHT_CUT_MOST   (LIGHT_BVH_WIDTH + (LIGHT_BVH_WIDTH - 1) * LIGHT_CUT_SPLITS)
+#define LIGHT_CUT_NEAR   4.0f // squared distance, in squared radii, of clusters worth replacing
 
 // Cosine of max(0, a - b) from cosines and sines of angles within 0 .. pi.
 static inline float8 light_bvh_cos_minus(const float8 cos_a, const float8 sin_a, const float8 cos_b,
@@ -29,9 +46,10 @@ static inline float8 light_bvh_sine(const float8 cosine)
 
 // Estimates what the lights below each of a node's children send to p.
 //
-//   normal  unit, of the surface at p
-static inline float8 light_bvh_weigh(__global const struct light_bvh_node *node, const float3 p,
-                                     const float3 normal)
+//   near_out  out: all bits set where p is too near for the estimate to be worth much
+//   normal    unit, of the surface at p
+static inline float8 light_bvh_weigh(int8 *near_out, __global const struct light_bvh_node *node,
+                                     const float3 p, const float3 normal)
 {
     __global const float *rows = (__global const float *)node;
     const float8 x = vload8(0, rows) - p.x;
@@ -74,70 +92,198 @@ static inline float8 light_bvh_weigh(__global const struct light_bvh_node *node,
 
     const float8 lit = max(cos_light, (float8)(1e-3f)); // at the very edge of a cone
     const float8 weight = fabs(power) * lit * cos_surface * window / max(apart2, radius2);
+    *near_out = distance2 < LIGHT_CUT_NEAR * radius2;
     const int8 dark = cos_light <= cos_e || cos_surface <= 0.0f || near >= 1.0f;
     return select(weight, (float8)(0.0f), dark);
 }
 
-// Draws one light.
+// Adds those of a node's children that can contribute.
 //
-//   pmf   out: its probability
-//   bits  32 random bits: their order is kept, near numbers draw near lights
-// Returns its index, or EMITTER_NONE where no light can contribute.
-static inline uint light_bvh_draw(float *pmf, __global const struct light_bvh_node *nodes,
-                                  const float3 p, const float3 normal, uint bits)
+//   weights  [.. LIGHT_CUT_MOST] estimates, negative where they are worth little and there is
+//            something better below
+//   words    [.. LIGHT_CUT_MOST] child words
+// Returns how many there are now.
+static inline uint light_cut_add(float *weights, uint *words, uint count,
+                                 __global const struct light_bvh_node *node, const float3 p,
+                                 const float3 normal)
 {
-    float number = rng_unit(bits);
-    *pmf = 1.0f;
-    uint word = 0;
-    do {
-        float weights[8];
-        __global const struct light_bvh_node *node = &nodes[word];
-        const float8 weight = light_bvh_weigh(node, p, normal);
-        vstore8(weight, 0, weights);
-        float sum = 0.0f;
-        for (int i = 0; i < 8; i++)
-            sum += weights[i];
-        if (!(sum > 0.0f))
-            return EMITTER_NONE;
-
-        // Take the child in whose part of the sum the number falls.
-        float left = number * sum;
-        float rest = left;
-        int child = -1;
-        for (int i = 0; i < 8; i++) {
-            if (weights[i] > 0.0f && left >= 0.0f) {
-                child = i;
-                rest = left;
-            }
-            left -= weights[i];
+    int8 near;
+    float node_weights[8];
+    int node_near[8];
+    vstore8(light_bvh_weigh(&near, node, p, normal), 0, node_weights);
+    vstore8(near, 0, node_near);
+    for (int i = 0; i < 8; i++) {
+        if (node_weights[i] > 0.0f) {
+            const uint word = ((__global const uint *)node)[11 * 8 + i];
+            const bool improves = node_near[i] && !(word & LIGHT_BVH_LEAF);
+            weights[count] = improves ? -node_weights[i] : node_weights[i];
+            words[count++] = word;
         }
-
-        // Where the number lies in that part is the next one, with new bits for those used up.
-        bits = rng_mix(bits);
-        number = min2((rest + rng_unit(bits) * sum * RNG_UNIT_STEP) / weights[child], RNG_UNIT_MAX);
-        *pmf *= weights[child] / sum;
-        word = ((__global const uint *)node)[11 * 8 + child];
-    } while (!(word & LIGHT_BVH_LEAF));
-    return word & ~LIGHT_BVH_LEAF;
+    }
+    return count;
 }
 
-// The probability with which light_bvh_draw() comes to this light: walks up from its leaf.
-static inline float light_bvh_pmf(__global const struct light_bvh_node *nodes,
-                                  __global const uint *parents, __global const uint *leaves,
-                                  const float3 p, const float3 normal, const uint light)
+// Makes all weights positive; returns their sum.
+static inline float light_cut_sum(float *weights, const uint count)
 {
-    float pmf = 1.0f;
-    for (uint place = leaves[light]; place != LIGHT_BVH_ROOT; place = parents[place >> 3]) {
-        float weights[8];
-        vstore8(light_bvh_weigh(&nodes[place >> 3], p, normal), 0, weights);
-        float sum = 0.0f;
-        for (int i = 0; i < 8; i++)
-            sum += weights[i];
-        if (!(weights[place & 7u] > 0.0f))
-            return 0.0f;
-        pmf *= weights[place & 7u] / sum;
+    float sum = 0.0f;
+    for (uint i = 0; i < count; i++) {
+        weights[i] = fabs(weights[i]);
+        sum += weights[i];
     }
-    return pmf;
+    return sum;
+}
+
+// Cuts the tree for the point p: lights and clusters that hold all lights which can contribute.
+//
+//   sum      out: of the weights
+//   weights  out: [LIGHT_CUT_MOST] what each is estimated to send, > 0
+//   words    out: [LIGHT_CUT_MOST] child words
+// Returns how many they are.
+static inline uint light_cut(float *sum, float *weights, uint *words,
+                             __global const struct light_bvh_node *nodes, const float3 p,
+                             const float3 normal)
+{
+    uint count = light_cut_add(weights, words, 0, &nodes[0], p, normal);
+    for (int split = 0; split < LIGHT_CUT_SPLITS; split++) {
+        uint heaviest = 0;
+        float least = 0.0f;
+        for (uint i = 0; i < count; i++) {
+            if (weights[i] < least) {
+                least = weights[i];
+                heaviest = i;
+            }
+        }
+        if (!(least < 0.0f))
+            break;
+        const uint node = words[heaviest];
+        count--;
+        weights[heaviest] = weights[count];
+        words[heaviest] = words[count];
+        count = light_cut_add(weights, words, count, &nodes[node], p, normal);
+    }
+    *sum = light_cut_sum(weights, count);
+    return count;
+}
+
+// A walk to the lights that are taken: parts of the line that positions fall into, those of
+// clusters still to be divided.
+struct light_walk {
+    uint count;                     // parts left
+    uint bits;                      // random
+    uint words[LIGHT_WALK_MOST];    // child word of each part
+    float lengths[LIGHT_WALK_MOST]; // its length: the draws that fall into it, on average
+    float numbers[LIGHT_WALK_MOST]; // first position from its start, < 1; in its lengths where it
+                                    // is shorter than 1 and the position its only one
+};
+
+// Divides a part of the line and keeps the pieces that positions fall into.
+//
+//   weights, words  [count] by which it is divided, and into what
+//   sum             of the weights
+//   length, number  of the part, as struct light_walk has them
+static inline void light_walk_divide(struct light_walk *walk, const float *weights,
+                                     const uint *words, const uint count, const float sum,
+                                     const float length, float number)
+{
+    const float unit = min2(length, 1.0f); // of what follows, in draws
+    const float scale = max2(length, 1.0f) / sum;
+    float before = 0.0f; // sum of the weights up to here
+    float start = 0.0f;  // of the piece
+    for (uint i = 0; i < count; i++) {
+        before += weights[i];
+        const float end = before * scale;
+        if (number < end && walk->count < LIGHT_WALK_MOST) {
+            const float part = weights[i] * scale;
+            float first = max2(number - start, 0.0f);
+            if (part * unit < 1.0f) {
+                // Where it lies in the piece is the next number, with new bits for those used up.
+                walk->bits = rng_mix(walk->bits);
+                first += rng_unit(walk->bits) * RNG_UNIT_STEP;
+                first = min2(first / part, RNG_UNIT_MAX);
+            }
+            walk->words[walk->count] = words[i];
+            walk->lengths[walk->count] = part * unit;
+            walk->numbers[walk->count] = first;
+            walk->count++;
+            number = length < 1.0f ? FLT_MAX : number + ceil(end - number);
+        }
+        start = end;
+    }
+}
+
+// Begins a walk at p.
+//
+//   draws  1 .. LIGHT_WALK_MOST: sum over all lights of the times that they would be taken, on
+//          average, if one could be taken twice
+//   bits   32 random bits: their order is kept, near numbers draw near lights
+static inline void light_walk_begin(struct light_walk *walk,
+                                    __global const struct light_bvh_node *nodes, const float3 p,
+                                    const float3 normal, const float draws, const uint bits)
+{
+    float weights[LIGHT_CUT_MOST];
+    uint words[LIGHT_CUT_MOST];
+    float sum;
+    const uint count = light_cut(&sum, weights, words, nodes, p, normal);
+    walk->count = 0;
+    walk->bits = bits;
+    light_walk_divide(walk, weights, words, count, sum, draws, rng_unit(bits));
+}
+
+// Goes on to the next light.
+//
+//   expected  out: how often walks take it, on average, <= 1
+// Returns its index, or EMITTER_NONE at the end. No light comes twice.
+static inline uint light_walk_next(float *expected, struct light_walk *walk,
+                                   __global const struct light_bvh_node *nodes, const float3 p,
+                                   const float3 normal)
+{
+    while (walk->count > 0) {
+        const uint last = --walk->count;
+        const uint word = walk->words[last];
+        const float length = walk->lengths[last];
+        if (word & LIGHT_BVH_LEAF) {
+            *expected = min2(length, 1.0f);
+            return word & ~LIGHT_BVH_LEAF;
+        }
+        float weights[8];
+        uint words[8];
+        const uint count = light_cut_add(weights, words, 0, &nodes[word], p, normal);
+        const float sum = light_cut_sum(weights, count);
+        light_walk_divide(walk, weights, words, count, sum, length, walk->numbers[last]);
+    }
+    return EMITTER_NONE;
+}
+
+// This light's share of all draws of a walk at p: walks up from its leaf to the cut.
+static inline float light_bvh_share(__global const struct light_bvh_node *nodes,
+                                    __global const uint *parents, __global const uint *leaves,
+                                    const float3 p, const float3 normal, const uint light)
+{
+    float cut_weights[LIGHT_CUT_MOST];
+    uint cut_words[LIGHT_CUT_MOST];
+    float cut_sum;
+    const uint cut_count = light_cut(&cut_sum, cut_weights, cut_words, nodes, p, normal);
+    float share = 1.0f;
+    uint word = LIGHT_BVH_LEAF | light;
+    for (uint place = leaves[light]; place != LIGHT_BVH_ROOT; place = parents[place >> 3]) {
+        for (uint i = 0; i < cut_count; i++)
+            if (cut_words[i] == word)
+                return share * cut_weights[i] / cut_sum;
+        word = place >> 3;
+        float weights[8];
+        uint words[8];
+        const uint count = light_cut_add(weights, words, 0, &nodes[word], p, normal);
+        const float sum = light_cut_sum(weights, count);
+        float weight = 0.0f;
+        const uint child = ((__global const uint *)&nodes[word])[11 * 8 + (place & 7u)];
+        for (uint i = 0; i < count; i++)
+            weight = words[i] == child ? weights[i] : weight;
+        if (!(weight > 0.0f))
+            return 0.0f;
+        share *= weight / sum;
+    }
+    return 0.0f;
 }
 
 #endif

@@ -172,7 +172,7 @@ enum lk_light_sampler {
     LK_LIGHTS_TREE,      // the light tree of thesis section 3.4
     LK_LIGHTS_UNIFORM,   // one of all
     LK_LIGHTS_ALL,       // every light at every hit
-    LK_LIGHTS_IMPORTANCE // by estimated contribution (Conty Estevez and Kulla 2018)
+    LK_LIGHTS_IMPORTANCE // several by estimated contribution (Conty Estevez and Kulla 2018)
 };
 
 enum lk_sampler {
@@ -230,7 +230,10 @@ struct lk_settings {
                             // they are off, relative to that of their values, or to a tenth of the
                             // picture's mean where this is more. 0: no such limit
     uint32_t depth;         // shaded hits of a path, 1 .. 255; default 5
-    uint32_t shadow_rays;   // light-tree shadow rays per hit, 1 .. 64; default 1
+    uint32_t shadow_rays;   // times that a hit draws lights, 1 .. 64; default 1. Tree and uniform
+                            // draw one light each time and send one shadow ray, importance up to
+                            // 8, none of them twice, and fewer where few lights send nearly
+                            // all; all takes no notice
     enum lk_light_sampler light_sampler;
     enum lk_sampler sampler; // how samples of a pixel are spread
     enum lk_quantity quantity;

@@ -77,6 +77,8 @@ SHARED_SIZE(light_node, 32);
 #define LIGHT_BVH_EMPTY 0xffffffffu
 #define LIGHT_BVH_ROOT  0xffffffffu // light_bvh parents[]: no parent
 
+#define LIGHT_WALK_MOST 8 // lights that a hit takes from it at most, in one round
+
 // What is known of the lights below one child, as rows of 8, one number for each child. A child's
 // lights lie in a sphere, shine at most `theta_e` off directions that are at most `theta_o` off the
 // axis, with `power` in all, and reach no farther than `range` from where they are.

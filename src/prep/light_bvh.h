@@ -8,7 +8,7 @@
  * Differs from it: nodes have 8 children, which are weighed at once with vectors of 8: a CPU walks
  * a level for the price of one child, fewer levels mean fewer decisions by coarse bounds, and a
  * child's bounds stand in its parent. Bounds know the lights' range, so that what cannot reach the
- * point is never drawn. One light is drawn; nothing is split while sampling.
+ * point is never drawn. How it is walked: cl/lib/light_bvh.h.
  */
 #ifndef PREP_LIGHT_BVH_H
 #define PREP_LIGHT_BVH_H

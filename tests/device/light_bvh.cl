@@ -4,31 +4,38 @@
 #include "lib/light_bvh.h"
 #include "test.h"
 
-// The probability of every light at every point.
-TEST_KERNEL light_bvh_pmfs(__global const struct light_bvh_node *nodes,
-                           __global const uint *parents, __global const uint *leaves,
-                           __global const float4 *points, __global const float4 *normals,
-                           const uint light_count, __global float *pmfs, const uint count)
+// The share of every light at every point.
+TEST_KERNEL light_bvh_shares(__global const struct light_bvh_node *nodes,
+                             __global const uint *parents, __global const uint *leaves,
+                             __global const float4 *points, __global const float4 *normals,
+                             const uint light_count, __global float *shares, const uint count)
 {
     const uint i = get_global_id(0);
     if (i < count)
-        pmfs[i] = light_bvh_pmf(nodes, parents, leaves, points[i / light_count].xyz,
-                                normals[i / light_count].xyz, i % light_count);
+        shares[i] = light_bvh_share(nodes, parents, leaves, points[i / light_count].xyz,
+                                    normals[i / light_count].xyz, i % light_count);
 }
 
-// `draws` lights at every point, and with which probability.
-TEST_KERNEL light_bvh_draws(__global const struct light_bvh_node *nodes,
+// `walks` walks at every point: LIGHT_WALK_MOST + 1 lights of each, EMITTER_NONE past the last, and
+// how often walks take them.
+TEST_KERNEL light_bvh_walks(__global const struct light_bvh_node *nodes,
                             __global const float4 *points, __global const float4 *normals,
-                            const uint draws, __global uint *lights, __global float *pmfs,
-                            const uint count)
+                            const float draws, const uint walks, __global uint *lights,
+                            __global float *expected, const uint count)
 {
     const uint i = get_global_id(0);
     if (i >= count)
         return;
-    float pmf;
-    lights[i] = light_bvh_draw(&pmf, nodes, points[i / draws].xyz, normals[i / draws].xyz,
-                               rng_bits(1, i, 2, 3).x);
-    pmfs[i] = pmf;
+    const float3 p = points[i / walks].xyz;
+    const float3 normal = normals[i / walks].xyz;
+    struct light_walk walk;
+    light_walk_begin(&walk, nodes, p, normal, draws, rng_bits(1, i, 2, 3).x);
+    for (uint k = 0; k <= LIGHT_WALK_MOST; k++) {
+        float times = 0.0f;
+        const uint place = i * (LIGHT_WALK_MOST + 1) + k;
+        lights[place] = light_walk_next(&times, &walk, nodes, p, normal);
+        expected[place] = times;
+    }
 }
 
 // The most, of some samples, that every light sends to every point, times the cosine there.

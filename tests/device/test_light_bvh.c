@@ -1,5 +1,5 @@
-// Drawing from the light BVH: probabilities are those of the draws, they sum to one, and no light
-// that sends something has none.
+// Walks through the light BVH: they take lights as often as they say, shares of draws sum to one,
+// and no light that sends something has none.
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,7 +7,9 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "prep/light_fixture.h"
 #include "shared/geometry.h"
@@ -16,9 +18,11 @@
 
 #define LIGHTS  300u
 #define POINTS  400u
-#define DRAWS   4000u
-#define EPSILON 1e-4 // of products of float quotients
-#define SIGMAS  6.0  // how far a frequency may be from its probability
+#define WALKS   4000u
+#define WALKED  50u                    // points that walks start from
+#define SLOTS   (LIGHT_WALK_MOST + 1u) // lights of a walk, and the end
+#define EPSILON 1e-4                   // of products of float quotients
+#define SIGMAS  6.0                    // how far a frequency may be from what is expected
 
 // The lights, their BVH and where they are looked at from, on the device.
 struct setup {
@@ -74,86 +78,125 @@ static void close_setup(struct setup *s)
     program_free(&s->program);
 }
 
-// Probabilities of all lights at all points, [POINTS * light_count], for free().
-static float *find_pmfs(struct setup *s, uint32_t light_count)
+// Shares of all lights at all points, [POINTS * light_count], for free().
+static float *find_shares(struct setup *s, uint32_t light_count)
 {
     const uint32_t count = POINTS * light_count;
-    float *pmfs = malloc(count * sizeof(*pmfs));
-    struct buffer out = device_buffer(s->gpu, NULL, count * sizeof(*pmfs));
+    float *shares = malloc(count * sizeof(*shares));
+    struct buffer out = device_buffer(s->gpu, NULL, count * sizeof(*shares));
     const struct kernel_arg args[] = {
         ARG_BUFFER(&s->nodes),  ARG_BUFFER(&s->parents), ARG_BUFFER(&s->leaves),
         ARG_BUFFER(&s->points), ARG_BUFFER(&s->normals), ARG_VALUE(light_count),
         ARG_BUFFER(&out),       ARG_VALUE(count),
     };
-    DEVICE_RUN(s->gpu, &s->program, "light_bvh_pmfs", args, count);
-    assert_ok(buffer_read(s->gpu, &out, pmfs, count * sizeof(*pmfs)));
+    DEVICE_RUN(s->gpu, &s->program, "light_bvh_shares", args, count);
+    assert_ok(buffer_read(s->gpu, &out, shares, count * sizeof(*shares)));
     buffer_free(s->gpu, &out);
-    return pmfs;
+    return shares;
 }
 
-// A point where no child of the root can contribute has no draws; a descent may also end where a
-// child's bounds promise what its own children do not keep: then the sum is below one.
-static void pmfs_sum_to_one_at_most(void **state)
+// Where no child of the root can contribute there are no draws; a walk may also end where a child's
+// bounds promise what its own children do not keep: then the sum is below one.
+static void shares_sum_to_one_at_most(void **state)
 {
     struct setup s;
     open_setup(&s, state, LIGHTS);
-    float *pmfs = find_pmfs(&s, LIGHTS);
+    float *shares = find_shares(&s, LIGHTS);
     double mean = 0.0;
     for (uint32_t i = 0; i < POINTS; i++) {
         double sum = 0.0;
         for (uint32_t k = 0; k < LIGHTS; k++)
-            sum += pmfs[i * LIGHTS + k];
+            sum += shares[i * LIGHTS + k];
         assert_true(sum <= 1.0 + EPSILON);
         mean += sum / POINTS;
     }
     print_message("%.3f of the draws find a light\n", mean);
     assert_true(mean > 0.5);
-    free(pmfs);
+    free(shares);
     close_setup(&s);
 }
 
-static void draws_follow_their_pmf(void **state)
+// Walks at the first WALKED points, [WALKED * WALKS * SLOTS], for free().
+static void find_walks(uint32_t **lights_out, float **expected_out, struct setup *s, float draws)
+{
+    const uint32_t walks = WALKS;
+    const uint32_t count = WALKED * WALKS;
+    uint32_t *lights = malloc(count * SLOTS * sizeof(*lights));
+    float *expected = malloc(count * SLOTS * sizeof(*expected));
+    struct buffer lights_buffer = device_buffer(s->gpu, NULL, count * SLOTS * sizeof(*lights));
+    struct buffer expected_buffer = device_buffer(s->gpu, NULL, count * SLOTS * sizeof(*expected));
+    const struct kernel_arg args[] = {
+        ARG_BUFFER(&s->nodes),
+        ARG_BUFFER(&s->points),
+        ARG_BUFFER(&s->normals),
+        ARG_VALUE(draws),
+        ARG_VALUE(walks),
+        ARG_BUFFER(&lights_buffer),
+        ARG_BUFFER(&expected_buffer),
+        ARG_VALUE(count),
+    };
+    DEVICE_RUN(s->gpu, &s->program, "light_bvh_walks", args, count);
+    assert_ok(buffer_read(s->gpu, &lights_buffer, lights, count * SLOTS * sizeof(*lights)));
+    assert_ok(buffer_read(s->gpu, &expected_buffer, expected, count * SLOTS * sizeof(*expected)));
+    buffer_free(s->gpu, &expected_buffer);
+    buffer_free(s->gpu, &lights_buffer);
+    *lights_out = lights;
+    *expected_out = expected;
+}
+
+// Counts how often the walks of one point take each light; none may come twice in one.
+static void count_lights(uint32_t *times, const uint32_t *lights, const float *expected,
+                         const float *shares, float draws)
+{
+    memset(times, 0, LIGHTS * sizeof(*times));
+    for (uint32_t walk = 0; walk < WALKS; walk++) {
+        bool taken[LIGHTS] = {false};
+        uint32_t k = 0;
+        for (; k < SLOTS && lights[walk * SLOTS + k] != EMITTER_NONE; k++) {
+            const uint32_t light = lights[walk * SLOTS + k];
+            assert_in_range(light, 0, LIGHTS - 1);
+            assert_false(taken[light]);
+            taken[light] = true;
+            times[light]++;
+            const double count = fmin((double)draws * shares[light], 1.0);
+            assert_close(expected[walk * SLOTS + k], count, EPSILON * count);
+        }
+        assert_true(k <= (uint32_t)ceilf(draws));
+    }
+}
+
+static void walks_take_lights_as_often_as_they_say(void **state)
 {
     struct setup s;
     open_setup(&s, state, LIGHTS);
-    float *pmfs = find_pmfs(&s, LIGHTS);
-    const uint32_t points = 50;
-    const uint32_t draws = DRAWS;
-    const uint32_t count = points * draws;
-    uint32_t *lights = malloc(count * sizeof(*lights));
-    float *found = malloc(count * sizeof(*found));
-    struct buffer lights_out = device_buffer(s.gpu, NULL, count * sizeof(*lights));
-    struct buffer pmfs_out = device_buffer(s.gpu, NULL, count * sizeof(*found));
-    const struct kernel_arg args[] = {
-        ARG_BUFFER(&s.nodes),    ARG_BUFFER(&s.points), ARG_BUFFER(&s.normals), ARG_VALUE(draws),
-        ARG_BUFFER(&lights_out), ARG_BUFFER(&pmfs_out), ARG_VALUE(count),
-    };
-    DEVICE_RUN(s.gpu, &s.program, "light_bvh_draws", args, count);
-    assert_ok(buffer_read(s.gpu, &lights_out, lights, count * sizeof(*lights)));
-    assert_ok(buffer_read(s.gpu, &pmfs_out, found, count * sizeof(*found)));
-
-    for (uint32_t i = 0; i < points; i++) {
-        uint32_t times[LIGHTS] = {0};
-        for (uint32_t k = 0; k < draws; k++) {
-            const uint32_t light = lights[i * draws + k];
-            if (light == EMITTER_NONE)
-                continue;
-            assert_in_range(light, 0, LIGHTS - 1);
-            times[light]++;
-            const double pmf = pmfs[i * LIGHTS + light];
-            assert_close(found[i * draws + k], pmf, EPSILON * pmf);
+    float *shares = find_shares(&s, LIGHTS);
+    const float draws[] = {1.0f, 2.5f, LIGHT_WALK_MOST};
+    uint32_t always = 0;
+    for (int n = 0; n < 3; n++) {
+        uint32_t *lights;
+        float *expected;
+        find_walks(&lights, &expected, &s, draws[n]);
+        for (uint32_t i = 0; i < WALKED; i++) {
+            const float *of_point = shares + (size_t)i * LIGHTS;
+            const size_t first = (size_t)i * WALKS * SLOTS;
+            uint32_t times[LIGHTS];
+            count_lights(times, lights + first, expected + first, of_point, draws[n]);
+            for (uint32_t light = 0; light < LIGHTS; light++) {
+                const double count = (double)draws[n] * of_point[light];
+                const double part = fmin(count, 1.0);
+                const double sigma = sqrt(part * (1.0 - part) / WALKS) + 1.0 / WALKS;
+                assert_close((double)times[light] / WALKS, part, SIGMAS * sigma);
+                if (count < 1.0 + EPSILON)
+                    continue;
+                assert_int_equal(times[light], WALKS);
+                always++;
+            }
         }
-        for (uint32_t light = 0; light < LIGHTS; light++) {
-            const double pmf = pmfs[i * LIGHTS + light];
-            const double sigma = sqrt(pmf * (1.0 - pmf) / draws) + 1.0 / draws;
-            assert_close((double)times[light] / draws, pmf, SIGMAS * sigma);
-        }
+        free(expected);
+        free(lights);
     }
-    buffer_free(s.gpu, &pmfs_out);
-    buffer_free(s.gpu, &lights_out);
-    free(found);
-    free(lights);
-    free(pmfs);
+    assert_true(always > 10); // enough to mean something
+    free(shares);
     close_setup(&s);
 }
 
@@ -166,7 +209,7 @@ static void every_light_that_contributes_can_be_drawn(void **state)
     const struct vertex vertex = {0};
     const struct material material = {0};
     open_setup(&s, state, light_count);
-    float *pmfs = find_pmfs(&s, light_count);
+    float *shares = find_shares(&s, light_count);
     float *most = malloc(count * sizeof(*most));
     struct buffer triangles = device_buffer(s.gpu, &triangle, sizeof(triangle));
     struct buffer vertices = device_buffer(s.gpu, &vertex, sizeof(vertex));
@@ -183,7 +226,7 @@ static void every_light_that_contributes_can_be_drawn(void **state)
 
     uint32_t lit[5] = {0};
     for (uint32_t i = 0; i < count; i++) {
-        if (most[i] > 0.0f && !(pmfs[i] > 0.0f))
+        if (most[i] > 0.0f && !(shares[i] > 0.0f))
             fail_msg("light %u of type %u sends %g to point %u and is never drawn", i % light_count,
                      i % light_count % 5, (double)most[i], i / light_count);
         lit[i % light_count % 5] += most[i] > 0.0f;
@@ -195,15 +238,15 @@ static void every_light_that_contributes_can_be_drawn(void **state)
     buffer_free(s.gpu, &vertices);
     buffer_free(s.gpu, &triangles);
     free(most);
-    free(pmfs);
+    free(shares);
     close_setup(&s);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pmfs_sum_to_one_at_most),
-        cmocka_unit_test(draws_follow_their_pmf),
+        cmocka_unit_test(shares_sum_to_one_at_most),
+        cmocka_unit_test(walks_take_lights_as_often_as_they_say),
         cmocka_unit_test(every_light_that_contributes_can_be_drawn),
     };
     return cmocka_run_group_tests(tests, device_setup, device_teardown);
