@@ -110,7 +110,10 @@ static inline uint light_cut_add(float *weights, uint *words, uint count,
     int8 near;
     float node_weights[8];
     int node_near[8];
-    vstore8(light_bvh_weigh(&near, node, p, normal), 0, node_weights);
+    const float8 estimates = light_bvh_weigh(&near, node, p, normal);
+    if (!any(estimates > 0.0f))
+        return count;
+    vstore8(estimates, 0, node_weights);
     vstore8(near, 0, node_near);
     for (int i = 0; i < 8; i++) {
         if (node_weights[i] > 0.0f) {
