@@ -6,6 +6,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "prep/bvh.h"
+#include "prep/bvh_reinsert.h"
 #include "prep/presplit.h"
 #include "prep/sbvh.h"
 
@@ -42,6 +43,8 @@ static enum status build_bvh(struct prepared *out, const struct geometry *geomet
         status = bvh_build(&bvh, refs, ref_count, request->leaf_size);
     else if (status == STATUS_OK)
         status = sbvh_build(&bvh, refs, ref_count, geometry, request->leaf_size);
+    if (status == STATUS_OK && request->build == LK_BVH_BUILD_SBVH)
+        status = bvh_reinsert(&bvh);
     if (status == STATUS_OK && request->wide)
         status = wide_bvh_pack(&out->wide, &bvh, refs, geometry, materials);
     if (status == STATUS_OK && request->binary)

@@ -195,7 +195,7 @@ enum lk_bvh {
 };
 
 enum lk_bvh_build {
-    LK_BVH_BUILD_SBVH,  // may split triangles (Stich et al. 2009)
+    LK_BVH_BUILD_SBVH,  // may split triangles (Stich et al. 2009), improved by reinsertion
     LK_BVH_BUILD_THESIS // thesis section 3.1
 };
 

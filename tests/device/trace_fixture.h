@@ -11,6 +11,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "prep/bvh_reinsert.h"
 #include "prep/sbvh.h"
 #include "stage_support.h"
 #include "trace_oracle.h"
@@ -131,10 +132,12 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
     struct bvh bvh;
     struct packed_bvh packed = {0};
     struct wide_bvh wide = {0};
-    if (tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT)
+    if (tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT) {
         assert_ok(sbvh_build(&bvh, refs, scene->ref_count, &scene->geometry, 8));
-    else
+        assert_ok(bvh_reinsert(&bvh));
+    } else {
         assert_ok(bvh_build(&bvh, refs, scene->ref_count, 8));
+    }
     if (tree == TREE_WIDE || tree == TREE_WIDE_SPLIT)
         assert_ok(wide_bvh_pack(&wide, &bvh, refs, &scene->geometry, scene->scene_materials));
     else
