@@ -1,14 +1,7 @@
 /**
  * @file
  * Turns the build tree into what CPU kernels read: 8-wide nodes and blocks of four triangles
- * (shared/bvh_wide.h).
- *
- * Source: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
- * Compressed Wide BVHs", HPG 2017, section 3.1: which binary nodes become wide ones, and which
- * subtrees become leaves, at the least expected cost. Differs from it: leaves cost by blocks; no
- * compression; children stand in the order in which a search for any hit does best, an idea of
- * J.-H. Nah, D. Manocha, "SATO: Surface Area Traversal Order for Shadow Ray Tracing", CGF 33(6),
- * 2014.
+ * (shared/bvh_wide.h). Which subtrees become nodes and leaves says prep/collapse.h.
  */
 #ifndef PREP_BVH_WIDE_H
 #define PREP_BVH_WIDE_H
