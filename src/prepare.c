@@ -44,9 +44,11 @@ static enum status build_bvh(struct prepared *out, const struct geometry *geomet
     else if (status == STATUS_OK)
         status = sbvh_build(&bvh, refs, ref_count, geometry, request->leaf_size);
     if (status == STATUS_OK && request->build == LK_BVH_BUILD_SBVH)
-        status = bvh_reinsert(&bvh);
+        status = bvh_reinsert(&bvh, refs, geometry);
     if (status == STATUS_OK && request->wide)
         status = wide_bvh_pack(&out->wide, &bvh, refs, geometry, materials);
+    if (status == STATUS_OK && request->quad)
+        status = quad_bvh_pack(&out->quad, &bvh, refs, geometry, materials);
     if (status == STATUS_OK && request->binary)
         status = bvh_pack(&out->bvh, &bvh, refs, geometry, materials);
     out->reference_count = bvh.ref_count;
@@ -60,7 +62,8 @@ static bool serves(const struct bvh_request *built, const struct bvh_request *as
 {
     return built->split_threshold == asked->split_threshold &&
            built->leaf_size == asked->leaf_size && built->build == asked->build &&
-           built->binary >= asked->binary && built->wide >= asked->wide;
+           built->binary >= asked->binary && built->wide >= asked->wide &&
+           built->quad >= asked->quad;
 }
 
 static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
@@ -72,19 +75,23 @@ static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
                                 .build = settings->bvh_build,
                                 .binary = (layouts >> LK_BVH_BINARY & 1) != 0,
                                 .wide = (layouts >> LK_BVH_WIDE & 1) != 0,
+                                .quad = (layouts >> LK_BVH_QUAD & 1) != 0,
                             }};
     if (serves(&p->bvh_request, &made.bvh_request))
         return STATUS_OK;
     const double start = clock_seconds();
     const enum status status = build_bvh(&made, &p->geometry, scene->materials);
     if (status != STATUS_OK) {
+        quad_bvh_free(&made.quad);
         wide_bvh_free(&made.wide);
         return status;
     }
+    quad_bvh_free(&p->quad);
     wide_bvh_free(&p->wide);
     packed_bvh_free(&p->bvh);
     p->bvh = made.bvh;
     p->wide = made.wide;
+    p->quad = made.quad;
     p->reference_count = made.reference_count;
     p->bvh_request = made.bvh_request;
     p->bvh_s = clock_seconds() - start;
@@ -184,6 +191,7 @@ void prepared_free(struct prepared *prepared)
     light_bvh_free(&prepared->light_bvh);
     light_tree_free(&prepared->light_tree);
     emitters_free(&prepared->emitters);
+    quad_bvh_free(&prepared->quad);
     wide_bvh_free(&prepared->wide);
     packed_bvh_free(&prepared->bvh);
     geometry_free(&prepared->geometry);
@@ -200,11 +208,13 @@ struct upload_source prepared_source(const struct lk_scene *scene, enum lk_bvh l
 {
     static const struct packed_bvh no_binary;
     static const struct wide_bvh no_wide;
+    static const struct quad_bvh no_quad;
     const struct prepared *prepared = &scene->prepared;
     const struct upload_source source = {
         .geometry = &prepared->geometry,
         .bvh = layout == LK_BVH_BINARY ? &prepared->bvh : &no_binary,
         .wide = layout == LK_BVH_WIDE ? &prepared->wide : &no_wide,
+        .quad = layout == LK_BVH_QUAD ? &prepared->quad : &no_quad,
         .emitters = &prepared->emitters,
         .environment = &scene->surroundings.environment,
         .light_tree = &prepared->light_tree,

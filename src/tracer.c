@@ -100,6 +100,7 @@ static enum status upload_solid(struct lk_tracer *t, const struct lk_scene *scen
         .geometry = &no_geometry,
         .bvh = prepared.bvh,
         .wide = prepared.wide,
+        .quad = prepared.quad,
         .emitters = &no_emitters,
         .environment = &no_environment,
         .light_tree = &no_tree,

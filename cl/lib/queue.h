@@ -30,18 +30,16 @@
 #endif
 #endif
 
-// Size of a group of a kernel that traces. One warp, since a finished group frees its place at
-// once: a quarter more rays/s than 64 on an H100; on CPUs PoCL's runs of 64 items hide its
-// scheduling.
+// Size of a group of a kernel that traces. Two warps: a finished group frees its place at once, but
+// an NVIDIA unit holds 32 groups at most, half its warps if there is one in each (an H100 traces 2
+// to 6 % more rays/s than with 32). On CPUs PoCL's runs of 64 items hide its scheduling.
 #ifndef WG_TRACE
 #if PERSISTENT && WARP_VOTES
 #define WG_TRACE 128 // four warps, each with a queue of its own
 #elif PERSISTENT
 #define WG_TRACE WARP_WIDTH
-#elif DEVICE_CPU
-#define WG_TRACE 64
 #else
-#define WG_TRACE 32
+#define WG_TRACE 64
 #endif
 #endif
 

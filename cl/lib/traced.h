@@ -30,4 +30,47 @@ static inline float3 traverse_inverse(const float3 dir)
     return 1.0f / (float3)(traverse_safe(dir.x), traverse_safe(dir.y), traverse_safe(dir.z));
 }
 
+// Where a ray enters a box, the latest of where it enters the slabs and of tmin, 0 at least; and
+// where it leaves it, the earliest of where it leaves the slabs and of tmax. It meets the box if it
+// enters no later than it leaves.
+//
+// GPUs find the largest of three integers by one instruction, and of floats that are not negative,
+// bits stand in the order of the values. A negative one is below them all: it never is where the
+// ray enters, since tmin is larger, and where it leaves, any negative one says as well that the box
+// lies behind. CPUs compare floats as fast.
+#if DEVICE_CPU
+
+static inline float slab_enter(const float x, const float y, const float z, const float tmin)
+{
+    return max2(max2(x, y), max2(z, tmin));
+}
+
+static inline float slab_leave(const float x, const float y, const float z, const float tmax)
+{
+    return min2(min2(x, y), min2(z, tmax));
+}
+
+#else
+
+static inline float slab_enter(const float x, const float y, const float z, const float tmin)
+{
+    return as_float(max(max(max(as_int(x), as_int(y)), as_int(z)), as_int(tmin)));
+}
+
+static inline float slab_leave(const float x, const float y, const float z, const float tmax)
+{
+    return as_float(min(min(min(as_int(x), as_int(y)), as_int(z)), as_int(tmax)));
+}
+
+#endif
+
+// Turns the number of a reference into that of its triangle: once for each ray, since it is a miss
+// of the cache.
+static inline struct hit traced_name(struct hit hit, const struct traced *scene)
+{
+    if (hit.triangle != HIT_NONE)
+        hit.triangle = scene->refs[hit.triangle] & BVH_REF_TRIANGLE;
+    return hit;
+}
+
 #endif

@@ -1,10 +1,12 @@
 /**
  * @file
  * One ray through the scene, by whichever BVH kernels are built for: BVH_WIDE takes the 8-wide one
- * (lib/traverse_wide.h), else it is the binary one (lib/traverse_binary.h). Both define
+ * (lib/traverse_wide.h), BVH_QUAD the 4-wide one (lib/traverse_quad.h), else it is the binary one
+ * (lib/traverse_binary.h). All define
  *
  *     struct hit traverse_through(nodes, scene, org, dir, tmin, tmax, any_hit, passage, mode)
  *
+ *   tmin     0 at least
  *   any_hit  constant: true: some hit, as soon as there is one; false: the nearest
  *   passage  what the mode, a constant PASSAGE_..., asks of surfaces that let light by; they are
  *            asked only where a reference is BVH_REF_ALPHA
@@ -12,10 +14,12 @@
 #ifndef LIB_TRAVERSE_H
 #define LIB_TRAVERSE_H
 
-#include "lib/traced.h"
+#include "lib/leaf.h" // here, since each file is embedded where it is included first
 
 #if BVH_WIDE
 #include "lib/traverse_wide.h"
+#elif BVH_QUAD
+#include "lib/traverse_quad.h"
 #else
 #include "lib/traverse_binary.h"
 #endif

@@ -4,16 +4,12 @@
  *
  * Source: T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009: the
  * while-while loop, both siblings tested together, the nearer first; Woop's test at the leaves.
- * With WARP_VOTES, leaves are put off until every lane of the warp has found one (the paper's
- * speculative traversal). Differs from it: the stack lies in private memory, and a triangle whose
- * material lets some light by is asked before it counts as a hit (lib/passage.h).
+ * Differs from it: the stack lies in private memory; leaves are tested as lib/leaf.h says.
  */
 #ifndef LIB_TRAVERSE_BINARY_H
 #define LIB_TRAVERSE_BINARY_H
 
-#include "lib/traced.h"
-#include "lib/warp.h"
-#include "shared/bvh.h"
+#include "lib/leaf.h"
 
 #if NODES_IMAGE
 #define BVH_NODES                __read_only image1d_buffer_t
@@ -23,15 +19,9 @@
 #define BVH_NODE_ROW(nodes, row) (nodes)[row]
 #endif
 
-#if WARP_VOTES
-#define TRAVERSE_ALL_HAVE(leaf) (!warp_any((leaf) == 0))
-#else
-#define TRAVERSE_ALL_HAVE(leaf) ((leaf) != 0)
-#endif
-
 #define TRAVERSE_DONE 0x7fffffff // below every entry of the stack; no node has that number
 
-// Finds what the ray hits between tmin and tmax (lib/traverse.h).
+// Finds what the ray hits between tmin, 0 at least, and tmax (lib/traverse.h).
 static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
                                           const float3 org, const float3 dir, const float tmin,
                                           const float tmax, const bool any_hit,
@@ -74,14 +64,10 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             const float y11 = MULADD(row1.w, inverse.y, shift.y);
             const float z10 = MULADD(row2.z, inverse.z, shift.z);
             const float z11 = MULADD(row2.w, inverse.z, shift.z);
-            const float enter0 =
-                max2(max2(min2(x00, x01), min2(y00, y01)), max2(min2(z00, z01), tmin));
-            const float leave0 =
-                min2(min2(max2(x00, x01), max2(y00, y01)), min2(max2(z00, z01), hit.t));
-            const float enter1 =
-                max2(max2(min2(x10, x11), min2(y10, y11)), max2(min2(z10, z11), tmin));
-            const float leave1 =
-                min2(min2(max2(x10, x11), max2(y10, y11)), min2(max2(z10, z11), hit.t));
+            const float enter0 = slab_enter(min2(x00, x01), min2(y00, y01), min2(z00, z01), tmin);
+            const float leave0 = slab_leave(max2(x00, x01), max2(y00, y01), max2(z00, z01), hit.t);
+            const float enter1 = slab_enter(min2(x10, x11), min2(y10, y11), min2(z10, z11), tmin);
+            const float leave1 = slab_leave(max2(x10, x11), max2(y10, y11), max2(z10, z11), hit.t);
             const bool meets0 = enter0 <= leave0;
             const bool meets1 = enter1 <= leave1;
             const int child0 = as_int(row3.x);
@@ -103,50 +89,20 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
                 leaf = node;
                 node = stack[top--];
             }
-            if (TRAVERSE_ALL_HAVE(leaf))
+            if (LEAF_IS_DUE(leaf))
                 break;
         }
 
-        // Test the leaf's triangles, and those of leaves right below it on the stack.
+        // Test the leaf, and those right below it on the stack.
         while (leaf < 0) {
-            const uint word = (uint)~leaf;
-            const uint first = word >> BVH_LEAF_BITS;
-            const uint end = first + (word & BVH_LEAF_MAX);
-            for (uint i = first; i < end; i++) {
-                const float4 row_w = scene->woop[3 * i + 0];
-                const float org_w = dot(row_w.xyz, org) + row_w.w;
-                const float dir_w = dot(row_w.xyz, dir);
-                const float t = -org_w / dir_w;
-                if (!(t > tmin && t < hit.t))
-                    continue;
-                const float3 p = org + t * dir;
-                const float4 row_u = scene->woop[3 * i + 1];
-                const float u = dot(row_u.xyz, p) + row_u.w;
-                if (!(u >= 0.0f && u <= 1.0f))
-                    continue;
-                const float4 row_v = scene->woop[3 * i + 2];
-                const float v = dot(row_v.xyz, p) + row_v.w;
-                if (!(v >= 0.0f && u + v <= 1.0f))
-                    continue;
-                const uint ref = scene->refs[i];
-#if ALPHA
-                if ((ref & BVH_REF_ALPHA) && passage_ask(passage, mode, &scene->surface,
-                                                         ref & BVH_REF_TRIANGLE, u, v, org, dir))
-                    continue;
-#endif
-                hit.t = t;
-                hit.u = u;
-                hit.v = v;
-                hit.triangle = ref & BVH_REF_TRIANGLE;
-                if (any_hit)
-                    return hit;
-            }
+            if (leaf_test(&hit, scene, leaf, org, dir, tmin, any_hit, passage, mode))
+                return traced_name(hit, scene);
             leaf = node;
             if (node < 0)
                 node = stack[top--];
         }
     }
-    return hit;
+    return traced_name(hit, scene);
 }
 
 #endif

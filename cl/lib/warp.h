@@ -24,6 +24,15 @@ static inline bool warp_any(const bool holds)
     return which != 0;
 }
 
+// A float made of four bytes of two words, by the digits of `which` from the lowest on: 0 .. 3 are
+// those of a, 4 .. 7 those of b.
+static inline float warp_pick(const uint a, const uint b, const uint which)
+{
+    uint picked;
+    __asm("prmt.b32 %0, %1, %2, %3;" : "=r"(picked) : "r"(a), "r"(b), "r"(which));
+    return as_float(picked);
+}
+
 // The first lane's value. All lanes of the warp must come here.
 static inline uint warp_first(const uint value)
 {

@@ -191,7 +191,8 @@ enum lk_trace {
 enum lk_bvh {
     LK_BVH_AUTO,   // by the device
     LK_BVH_BINARY, // the thesis's
-    LK_BVH_WIDE    // 8 children a node, triangles by four: for CPUs
+    LK_BVH_WIDE,   // 8 children a node, triangles by four: for CPUs
+    LK_BVH_QUAD    // 4 children a node, boxes as bytes: for GPUs
 };
 
 enum lk_bvh_build {

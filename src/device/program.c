@@ -37,6 +37,7 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "DEVICE_CPU", gpu->info.is_cpu);
     add_define(options, text, "PERSISTENT", chosen->persistent);
     add_define(options, text, "BVH_WIDE", chosen->bvh_wide);
+    add_define(options, text, "BVH_QUAD", chosen->bvh_quad);
     if (chosen->warp_votes)
         add_define(options, text, "WARP_VOTES", 1);
     add_define(options, text, "NODES_IMAGE", chosen->nodes_image);

@@ -3,17 +3,54 @@
 #include <stdlib.h>
 #include <string.h>
 
+// The arrays of a BVH, whatever its layout.
+struct bvh_arrays {
+    const void *nodes, *woop, *refs;
+    size_t nodes_size, woop_size, refs_size; // bytes
+};
+
+static struct bvh_arrays find_arrays(const struct upload_source *source)
+{
+    const struct packed_bvh *bvh = source->bvh;
+    const struct wide_bvh *wide = source->wide;
+    const struct quad_bvh *quad = source->quad;
+    struct bvh_arrays arrays = {
+        .nodes = bvh->nodes,
+        .woop = bvh->woop,
+        .refs = bvh->refs,
+        .nodes_size = bvh->node_count * sizeof(*bvh->nodes),
+        .woop_size = bvh->ref_count * sizeof(*bvh->woop),
+        .refs_size = bvh->ref_count * sizeof(*bvh->refs),
+    };
+    if (wide->node_count > 0)
+        arrays = (struct bvh_arrays){
+            .nodes = wide->nodes,
+            .woop = wide->blocks,
+            .refs = wide->refs,
+            .nodes_size = wide->node_count * sizeof(*wide->nodes),
+            .woop_size = wide->block_count * sizeof(*wide->blocks),
+            .refs_size = (size_t)wide->block_count * WIDE_BLOCK * sizeof(*wide->refs),
+        };
+    if (quad->node_count > 0)
+        arrays = (struct bvh_arrays){
+            .nodes = quad->nodes,
+            .woop = quad->woop,
+            .refs = quad->refs,
+            .nodes_size = quad->node_count * sizeof(*quad->nodes),
+            .woop_size = quad->ref_count * sizeof(*quad->woop),
+            .refs_size = quad->ref_count * sizeof(*quad->refs),
+        };
+    return arrays;
+}
+
 struct upload_sizes upload_sizes(const struct upload_source *source)
 {
+    const struct bvh_arrays arrays = find_arrays(source);
     const struct geometry *geometry = source->geometry;
     const uint64_t vertices = geometry->vertex_count;
     const uint64_t lights = source->emitters->light_count;
     struct upload_sizes sizes = {
-        .bvh =
-            source->bvh->node_count * sizeof(struct bvh_node) +
-            source->bvh->ref_count * (sizeof(struct woop) + sizeof(uint32_t)) +
-            source->wide->node_count * sizeof(struct wide_node) +
-            source->wide->block_count * (sizeof(struct woop_block) + WIDE_BLOCK * sizeof(uint32_t)),
+        .bvh = arrays.nodes_size + arrays.woop_size + arrays.refs_size,
         .geometry = vertices * sizeof(struct vertex) +
                     (geometry->colors != NULL ? vertices * sizeof(*geometry->colors) : 0) +
                     (geometry->tangents != NULL ? vertices * sizeof(*geometry->tangents) : 0) +
@@ -37,27 +74,16 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
 static enum status upload_bvh(struct device_scene *out, struct gpu *gpu,
                               const struct upload_source *source, bool nodes_image)
 {
-    const struct packed_bvh *bvh = source->bvh;
-    const struct wide_bvh *wide = source->wide;
-    const bool is_wide = wide->node_count > 0;
-    const size_t words = sizeof(uint32_t);
+    const struct bvh_arrays arrays = find_arrays(source);
     struct buffer *rows = nodes_image ? &out->node_rows : &out->nodes;
-    enum status status = buffer_create(rows, gpu,
-                                       is_wide ? wide->node_count * sizeof(*wide->nodes)
-                                               : bvh->node_count * sizeof(*bvh->nodes),
-                                       is_wide ? (void *)wide->nodes : bvh->nodes, "BVH nodes");
+    enum status status = buffer_create(rows, gpu, arrays.nodes_size, arrays.nodes, "BVH nodes");
     if (status == STATUS_OK && nodes_image)
         status = buffer_view_rows(&out->nodes, gpu, rows, "BVH nodes");
     if (status == STATUS_OK)
-        status = buffer_create(&out->woop, gpu,
-                               is_wide ? wide->block_count * sizeof(*wide->blocks)
-                                       : bvh->ref_count * sizeof(*bvh->woop),
-                               is_wide ? (void *)wide->blocks : bvh->woop, "triangle matrices");
+        status = buffer_create(&out->woop, gpu, arrays.woop_size, arrays.woop, "triangle matrices");
     if (status == STATUS_OK)
-        status = buffer_create(&out->refs, gpu,
-                               (is_wide ? (size_t)wide->block_count * WIDE_BLOCK : bvh->ref_count) *
-                                   words,
-                               is_wide ? wide->refs : bvh->refs, "triangle references");
+        status =
+            buffer_create(&out->refs, gpu, arrays.refs_size, arrays.refs, "triangle references");
     return status;
 }
 

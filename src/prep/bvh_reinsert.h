@@ -13,14 +13,19 @@
 #define PREP_BVH_REINSERT_H
 
 #include "prep/bvh.h"
+#include "prep/flatten.h"
 
 /**
- * Makes the expected cost (bvh_sah_cost()) less or leaves it. Leaves stay what they are, in another
- * order. The result does not depend on the number of threads.
+ * Makes the expected cost (bvh_sah_cost()) less, or leaves the tree as it is: also where rays, by
+ * bvh_trial(), find the tree no cheaper than before. Leaves stay what they are, in another order.
+ * The result does not depend on the number of threads.
  *
  * @param[in,out] bvh  Unchanged on failure.
+ * @param refs         What the tree was built of, as bvh->order counts.
+ * @param geometry     Where their corners are.
  * @retval STATUS_NO_MEMORY  It does not fit.
  */
-enum status bvh_reinsert(struct bvh *bvh);
+enum status bvh_reinsert(struct bvh *bvh, const struct tri_ref *refs,
+                         const struct geometry *geometry);
 
 #endif

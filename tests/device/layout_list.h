@@ -6,6 +6,7 @@
 #define TESTS_DEVICE_LAYOUT_LIST_H
 
 #include "shared/bvh.h"
+#include "shared/bvh_quad.h"
 #include "shared/bvh_wide.h"
 #include "shared/camera.h"
 #include "shared/environment.h"
@@ -27,6 +28,8 @@
     M(bvh_node, row0) M(bvh_node, row1) M(bvh_node, row2) M(bvh_node, row3)                        \
     S(woop)                                                                                        \
     M(woop, row_w) M(woop, row_u) M(woop, row_v)                                                   \
+    S(quad_node)                                                                                   \
+    M(quad_node, grid) M(quad_node, planes) M(quad_node, words)                                    \
     S(wide_node)                                                                                   \
     M(wide_node, rows)                                                                             \
     S(woop_block)                                                                                  \

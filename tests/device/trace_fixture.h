@@ -17,7 +17,7 @@
 #include "trace_oracle.h"
 #include "trace_rays.h"
 
-#define VARIANT_COUNT 20
+#define VARIANT_COUNT 26
 #define BLENDED_ALPHA 0.4
 #define RAYS          2100u
 #define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
@@ -26,7 +26,16 @@
 enum { SOLID, CUT_OUT, BLENDED, MATERIALS };
 
 /** The BVHs that every scene is uploaded with. */
-enum tree { TREE_BINARY, TREE_TEXTURE, TREE_SPLIT, TREE_WIDE, TREE_WIDE_SPLIT, TREES };
+enum tree {
+    TREE_BINARY,
+    TREE_TEXTURE,
+    TREE_SPLIT,
+    TREE_WIDE,
+    TREE_WIDE_SPLIT,
+    TREE_QUAD,
+    TREE_QUAD_SPLIT,
+    TREES
+};
 
 /** A variant of the trace kernel. */
 struct variant {
@@ -51,6 +60,13 @@ static const struct variant all_variants[VARIANT_COUNT] = {
     {.tree = TREE_WIDE_SPLIT,
      .options = {.bvh_wide = true, .alpha = true},
      .source = "trace_portable"},
+    {.tree = TREE_QUAD, .options = {.bvh_quad = true}},
+    {.tree = TREE_QUAD_SPLIT, .options = {.bvh_quad = true, .alpha = true}},
+    {.tree = TREE_QUAD_SPLIT, .options = {.bvh_quad = true, .persistent = true}},
+    {.tree = TREE_QUAD, .options = {.bvh_quad = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_QUAD_SPLIT, .options = {.bvh_quad = true, .warp_votes = true}},
+    {.tree = TREE_QUAD,
+     .options = {.bvh_quad = true, .warp_votes = true, .persistent = true, .alpha = true}},
     {.tree = TREE_BINARY, .options = {.warp_votes = true}},
     {.tree = TREE_SPLIT, .options = {.warp_votes = true, .alpha = true}},
     {.tree = TREE_SPLIT, .options = {.warp_votes = true, .persistent = true}},
@@ -65,8 +81,8 @@ static const struct variant all_variants[VARIANT_COUNT] = {
 struct fixture {
     struct gpu *gpu;
     struct variant variants[VARIANT_COUNT];
-    uint32_t variant_count;     // those through textures come last, and need images
-    struct program any_hit[2];  // over the binary BVH, over the wide one
+    uint32_t variant_count; // those through textures come last, and need images
+    struct program any_hit[TREES];
     struct wavefront wavefront; // of RAYS paths
 };
 
@@ -78,6 +94,16 @@ struct trace_scene {
     uint32_t ref_count;
     struct device_scene trees[TREES];
 };
+
+static inline bool is_wide(enum tree tree)
+{
+    return tree == TREE_WIDE || tree == TREE_WIDE_SPLIT;
+}
+
+static inline bool is_quad(enum tree tree)
+{
+    return tree == TREE_QUAD || tree == TREE_QUAD_SPLIT;
+}
 
 static inline void build_variant(struct variant *variant, struct gpu *gpu)
 {
@@ -104,9 +130,11 @@ static inline struct fixture make_fixture(struct gpu *gpu)
         *variant = all_variants[i];
         build_variant(variant, gpu);
     }
-    for (int wide = 0; wide < 2; wide++) {
-        const struct program_options options = {.alpha = true, .bvh_wide = wide};
-        f.any_hit[wide] = device_program(gpu, "any_hit", &options);
+    for (enum tree tree = 0; tree < TREES; tree++) {
+        const struct program_options options = {
+            .alpha = true, .bvh_wide = is_wide(tree), .bvh_quad = is_quad(tree)};
+        if (tree != TREE_TEXTURE)
+            f.any_hit[tree] = device_program(gpu, "any_hit", &options);
     }
     f.wavefront = make_wavefront(gpu, RAYS, 1);
     return f;
@@ -115,8 +143,8 @@ static inline struct fixture make_fixture(struct gpu *gpu)
 static inline void release_fixture(struct fixture *f)
 {
     wavefront_free(f->gpu, &f->wavefront);
-    program_free(&f->any_hit[1]);
-    program_free(&f->any_hit[0]);
+    for (int tree = 0; tree < TREES; tree++)
+        program_free(&f->any_hit[tree]);
     for (uint32_t i = 0; i < f->variant_count; i++)
         trace_free(&f->variants[i].trace);
 }
@@ -132,14 +160,17 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
     struct bvh bvh;
     struct packed_bvh packed = {0};
     struct wide_bvh wide = {0};
-    if (tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT) {
+    struct quad_bvh quad = {0};
+    if (tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT || tree == TREE_QUAD_SPLIT) {
         assert_ok(sbvh_build(&bvh, refs, scene->ref_count, &scene->geometry, 8));
-        assert_ok(bvh_reinsert(&bvh));
+        assert_ok(bvh_reinsert(&bvh, refs, &scene->geometry));
     } else {
         assert_ok(bvh_build(&bvh, refs, scene->ref_count, 8));
     }
-    if (tree == TREE_WIDE || tree == TREE_WIDE_SPLIT)
+    if (is_wide(tree))
         assert_ok(wide_bvh_pack(&wide, &bvh, refs, &scene->geometry, scene->scene_materials));
+    else if (is_quad(tree))
+        assert_ok(quad_bvh_pack(&quad, &bvh, refs, &scene->geometry, scene->scene_materials));
     else
         assert_ok(bvh_pack(&packed, &bvh, refs, &scene->geometry, scene->scene_materials));
     const struct material_set materials = {.materials = scene->materials,
@@ -147,12 +178,14 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
     const struct upload_source source = {.geometry = &scene->geometry,
                                          .bvh = &packed,
                                          .wide = &wide,
+                                         .quad = &quad,
                                          .emitters = &no_emitters,
                                          .environment = &no_environment,
                                          .light_tree = &no_tree,
                                          .light_bvh = &no_bvh,
                                          .materials = &materials};
     assert_ok(upload(&scene->trees[tree], f->gpu, &source, tree == TREE_TEXTURE, false));
+    quad_bvh_free(&quad);
     wide_bvh_free(&wide);
     packed_bvh_free(&packed);
     bvh_free(&bvh);
@@ -220,7 +253,6 @@ static inline void run_any_hit(struct hit *hits, const struct fixture *f,
                                const struct ray *rays)
 {
     const uint32_t count = RAYS;
-    const bool wide = tree == TREE_WIDE || tree == TREE_WIDE_SPLIT;
     assert_ok(buffer_write(f->gpu, &f->wavefront.rays, rays, RAYS * sizeof(*rays)));
     const struct kernel_arg args[] = {
         ARGS_TRACED(&scene->trees[tree]),
@@ -228,7 +260,7 @@ static inline void run_any_hit(struct hit *hits, const struct fixture *f,
         ARG_BUFFER(&f->wavefront.hits),
         ARG_VALUE(count),
     };
-    DEVICE_RUN(f->gpu, &f->any_hit[wide], "any_hit", args, count);
+    DEVICE_RUN(f->gpu, &f->any_hit[tree], "any_hit", args, count);
     assert_ok(buffer_read(f->gpu, &f->wavefront.hits, hits, RAYS * sizeof(*hits)));
 }
 

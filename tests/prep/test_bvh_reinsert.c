@@ -12,20 +12,37 @@
 #include <stdbool.h>
 
 #include "prep/bvh_reinsert.h"
+#include "prep/bvh_trial.h"
 #include "prep_support.h"
 #include "shared/bvh.h"
 
-// A tree of loose triangles.
-static struct bvh build(struct geometry geometry, uint32_t leaf_size)
-{
+// A tree and what it was made of.
+struct fixture {
+    struct geometry geometry;
     struct tri_ref *refs;
-    uint32_t ref_count;
     struct bvh bvh;
-    assert_int_equal(presplit(&refs, &ref_count, &geometry, 0.0f), STATUS_OK);
-    assert_int_equal(bvh_build(&bvh, refs, ref_count, leaf_size), STATUS_OK);
-    free(refs);
-    geometry_free(&geometry);
-    return bvh;
+};
+
+// Takes the geometry over.
+static struct fixture build(struct geometry geometry, uint32_t leaf_size)
+{
+    struct fixture f = {.geometry = geometry};
+    uint32_t ref_count;
+    assert_int_equal(presplit(&f.refs, &ref_count, &f.geometry, 0.0f), STATUS_OK);
+    assert_int_equal(bvh_build(&f.bvh, f.refs, ref_count, leaf_size), STATUS_OK);
+    return f;
+}
+
+static void reinsert(struct fixture *f)
+{
+    assert_int_equal(bvh_reinsert(&f->bvh, f->refs, &f->geometry), STATUS_OK);
+}
+
+static void release(struct fixture *f)
+{
+    bvh_free(&f->bvh);
+    free(f->refs);
+    geometry_free(&f->geometry);
 }
 
 static void copy(struct bvh *out, const struct bvh *bvh)
@@ -66,30 +83,36 @@ static const struct bvh_build_node *find_leaf(const struct bvh *bvh, uint32_t re
     return NULL;
 }
 
-// Reinserts and checks all that must hold. Takes the tree over.
-static void check_reinsert(struct bvh bvh)
+// Reinserts and checks all that must hold. Takes the geometry over.
+static void check_reinsert(struct geometry geometry, uint32_t leaf_size)
 {
+    struct fixture f = build(geometry, leaf_size);
+    const struct bvh *bvh = &f.bvh;
     struct bvh old;
-    copy(&old, &bvh);
-    assert_int_equal(bvh_reinsert(&bvh), STATUS_OK);
-    assert_int_equal(bvh.node_count, old.node_count);
-    assert_int_equal(bvh.ref_count, old.ref_count);
-    bool *seen = calloc(bvh.ref_count + 1, sizeof(*seen));
-    assert_int_equal(check_subtree(&bvh, 0, seen), bvh.depth);
-    assert_true(bvh.depth < BVH_STACK_SIZE);
-    for (uint32_t i = 0; i < bvh.ref_count; i++)
+    double old_work, work;
+    copy(&old, bvh);
+    reinsert(&f);
+    assert_int_equal(bvh->node_count, old.node_count);
+    assert_int_equal(bvh->ref_count, old.ref_count);
+    bool *seen = calloc(bvh->ref_count + 1, sizeof(*seen));
+    assert_int_equal(check_subtree(bvh, 0, seen), bvh->depth);
+    assert_true(bvh->depth < BVH_STACK_SIZE);
+    for (uint32_t i = 0; i < bvh->ref_count; i++)
         assert_true(seen[i]);
-    for (uint32_t i = 0; i < bvh.ref_count && i < 500; i++) {
+    for (uint32_t i = 0; i < bvh->ref_count && i < 500; i++) {
         const struct bvh_build_node *a = find_leaf(&old, i);
-        const struct bvh_build_node *b = find_leaf(&bvh, i);
+        const struct bvh_build_node *b = find_leaf(bvh, i);
         assert_int_equal(a->count, b->count);
         assert_memory_equal(a->lo, b->lo, sizeof(a->lo));
         assert_memory_equal(a->hi, b->hi, sizeof(a->hi));
     }
-    assert_true(bvh_sah_cost(&bvh) <= bvh_sah_cost(&old) * (1.0 + 1e-6));
+    assert_true(bvh_sah_cost(bvh) <= bvh_sah_cost(&old) * (1.0 + 1e-6));
+    assert_int_equal(bvh_trial(&old_work, &old, f.refs, &f.geometry), STATUS_OK);
+    assert_int_equal(bvh_trial(&work, bvh, f.refs, &f.geometry), STATUS_OK);
+    assert_true(work <= old_work);
     free(seen);
     bvh_free(&old);
-    bvh_free(&bvh);
+    release(&f);
 }
 
 // ---- laws
@@ -99,16 +122,16 @@ static void the_tree_keeps_its_leaves(void **state)
     (void)state;
     static const uint32_t counts[] = {1, 2, 3, 4, 5, 9, 100, 5000};
     for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); i++) {
-        check_reinsert(build(make_soup(i, counts[i], 10.0, 1.0), 2));
-        check_reinsert(build(make_soup(i, counts[i], 1.0, 20.0), 8));
+        check_reinsert(make_soup(i, counts[i], 10.0, 1.0), 2);
+        check_reinsert(make_soup(i, counts[i], 1.0, 20.0), 8);
     }
 }
 
 static void boxes_as_large_as_float_and_as_small_are_no_harm(void **state)
 {
     (void)state;
-    check_reinsert(build(make_soup(1, 300, 1e18, 1e18), 2));
-    check_reinsert(build(make_soup(1, 300, 1e-18, 1e-18), 2));
+    check_reinsert(make_soup(1, 300, 1e18, 1e18), 2);
+    check_reinsert(make_soup(1, 300, 1e-18, 1e-18), 2);
 }
 
 static void equal_boxes_are_no_harm(void **state)
@@ -117,14 +140,15 @@ static void equal_boxes_are_no_harm(void **state)
     float corners[9 * 1000];
     for (uint32_t i = 0; i < 9 * 1000; i++)
         corners[i] = (float)(i % 9 * i % 9);
-    check_reinsert(build(make_geometry(corners, 1000), 2));
+    check_reinsert(make_geometry(corners, 1000), 2);
 }
 
 static void the_empty_tree_stays_empty(void **state)
 {
     (void)state;
+    const struct geometry geometry = {0};
     struct bvh bvh = {0};
-    assert_int_equal(bvh_reinsert(&bvh), STATUS_OK);
+    assert_int_equal(bvh_reinsert(&bvh, NULL, &geometry), STATUS_OK);
     assert_int_equal(bvh.node_count, 0);
 }
 
@@ -136,7 +160,8 @@ static void what_was_mislaid_is_put_back(void **state)
     uint64_t seed = 3;
     for (uint32_t i = 0; i < 9 * 200; i++)
         corners[i] = (float)random_unit(&seed) + (i < 9 * 100 ? 0.0f : 1000.0f);
-    struct bvh bvh = build(make_geometry(corners, 200), 2);
+    struct fixture f = build(make_geometry(corners, 200), 2);
+    const struct bvh bvh = f.bvh;
     const double good = bvh_sah_cost(&bvh);
 
     // Exchange the heaps' last leaves, and bound what is above anew.
@@ -156,9 +181,9 @@ static void what_was_mislaid_is_put_back(void **state)
         }
     }
     assert_true(bvh_sah_cost(&bvh) > good + 4.0);
-    assert_int_equal(bvh_reinsert(&bvh), STATUS_OK);
-    assert_true(bvh_sah_cost(&bvh) <= good * (1.0 + 1e-6));
-    bvh_free(&bvh);
+    reinsert(&f);
+    assert_true(bvh_sah_cost(&f.bvh) <= good * (1.0 + 1e-6));
+    release(&f);
 }
 
 // Triangles of all sizes: a top-down builder puts large ones beside small ones.
@@ -176,29 +201,28 @@ static void triangles_of_all_sizes_become_cheaper(void **state)
                     (float)(org + size * random_unit(&seed));
         }
     }
-    struct bvh bvh = build(make_geometry(corners, 20000), 2);
-    const double cost = bvh_sah_cost(&bvh);
-    assert_int_equal(bvh_reinsert(&bvh), STATUS_OK);
-    assert_true(bvh_sah_cost(&bvh) < 0.95 * cost);
-    bvh_free(&bvh);
+    struct fixture f = build(make_geometry(corners, 20000), 2);
+    const double cost = bvh_sah_cost(&f.bvh);
+    reinsert(&f);
+    assert_true(bvh_sah_cost(&f.bvh) < 0.95 * cost);
+    release(&f);
 }
 
 static void the_tree_is_the_same_for_any_number_of_threads(void **state)
 {
     (void)state;
     const int threads = omp_get_max_threads();
-    struct bvh one = build(make_soup(6, 30000, 10.0, 1.0), 2);
-    struct bvh many;
-    copy(&many, &one);
+    struct fixture one = build(make_soup(6, 30000, 10.0, 1.0), 2);
+    struct fixture many = build(make_soup(6, 30000, 10.0, 1.0), 2);
     omp_set_num_threads(1);
-    assert_int_equal(bvh_reinsert(&one), STATUS_OK);
+    reinsert(&one);
     omp_set_num_threads(5);
-    assert_int_equal(bvh_reinsert(&many), STATUS_OK);
+    reinsert(&many);
     omp_set_num_threads(threads);
-    assert_memory_equal(one.nodes, many.nodes, one.node_count * sizeof(*one.nodes));
-    assert_memory_equal(one.order, many.order, one.ref_count * sizeof(*one.order));
-    bvh_free(&many);
-    bvh_free(&one);
+    assert_memory_equal(one.bvh.nodes, many.bvh.nodes, one.bvh.node_count * sizeof(*one.bvh.nodes));
+    assert_memory_equal(one.bvh.order, many.bvh.order, one.bvh.ref_count * sizeof(*one.bvh.order));
+    release(&many);
+    release(&one);
 }
 
 int main(void)

@@ -1,0 +1,176 @@
+/**
+ * @file
+ * One ray through the 4-wide BVH (shared/bvh_quad.h): closest hit and any hit from one body. For
+ * GPUs, whose lanes wait for each row of memory that they read: a quad node has four boxes in the
+ * rows of two.
+ *
+ * Source: T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009: the
+ * while-while loop, with leaves put off (lib/leaf.h). Differs from it: four boxes a visit, whose
+ * planes are picked by the signs of the direction.
+ */
+#ifndef LIB_TRAVERSE_QUAD_H
+#define LIB_TRAVERSE_QUAD_H
+
+#include "lib/leaf.h"
+#include "shared/bvh_quad.h"
+
+#define BVH_NODES __global const struct quad_node *restrict
+
+#define QUAD_DONE 0x7fffffff  // below every entry of the stack; no node has that number
+#define QUAD_MISS 0xffffffffu // key of a child that the ray misses, above all others
+
+// The four planes of one side of the boxes along an axis, 1 + byte * 2^-QUAD_SHIFT.
+static inline float4 quad_planes(const uint bytes)
+{
+    const uint one = 0x3f800000u; // bits of 1
+#if WARP_VOTES
+    return (float4)(warp_pick(bytes, one, 0x7604u), warp_pick(bytes, one, 0x7614u),
+                    warp_pick(bytes, one, 0x7624u), warp_pick(bytes, one, 0x7634u));
+#else
+    const uint4 shifted = (uint4)(bytes << 8, bytes, bytes >> 8, bytes >> 16);
+    return as_float4((shifted & 0xff00u) | one);
+#endif
+}
+
+// Of a child: the bits of where the ray enters it, which stand in the order of the values, with the
+// child's number in the last two; QUAD_MISS if the ray misses it.
+static inline uint quad_key(const float near_x, const float near_y, const float near_z,
+                            const float far_x, const float far_y, const float far_z,
+                            const float tmin, const float tmax, const uint child)
+{
+    const float enter = slab_enter(near_x, near_y, near_z, tmin);
+    const float leave = slab_leave(far_x, far_y, far_z, tmax);
+    return enter <= leave ? (as_uint(enter) & ~3u) | child : QUAD_MISS;
+}
+
+// Puts two keys in order.
+static inline void quad_order(uint *a, uint *b)
+{
+    const uint least = min(*a, *b);
+    *b = max(*a, *b);
+    *a = least;
+}
+
+// The word of a key's child.
+static inline int quad_word(const int4 words, const uint key)
+{
+    const int even = (key & 2u) != 0 ? words.z : words.x;
+    const int odd = (key & 2u) != 0 ? words.w : words.y;
+    return (key & 1u) != 0 ? odd : even;
+}
+
+// Makes a child that is hit the next, and keeps the one that was before it.
+static inline void quad_visit(int *next, int *stack, int *top, const uint key, const int word)
+{
+    if (key == QUAD_MISS)
+        return;
+    if (*next != 0)
+        stack[++*top] = *next;
+    *next = word;
+}
+
+// Finds what the ray hits between tmin, 0 at least, and tmax (lib/traverse.h).
+static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
+                                          const float3 org, const float3 dir, const float tmin,
+                                          const float tmax, const bool any_hit,
+                                          struct passage *passage, const int mode)
+{
+    struct hit hit; // the best so far
+    hit.t = tmax;   // shrinks with every hit
+    hit.u = 0.0f;
+    hit.v = 0.0f;
+    hit.triangle = HIT_NONE;
+
+    int stack[QUAD_STACK_SIZE]; // child words yet to visit
+    stack[0] = QUAD_DONE;
+    int top = 0;  // its last entry
+    int node = 0; // current child word
+
+    const float3 inverse = traverse_inverse(dir);
+    const float3 shift = -org * inverse;
+
+    while (node != QUAD_DONE) {
+        int leaf = 0; // child word of the leaf to test; 0: none yet, the root is no child
+
+        // Go down until there is a leaf.
+        while ((uint)node < (uint)QUAD_DONE) {
+            const float4 grid = nodes[node].grid;
+            const uint4 planes0 = nodes[node].planes[0];
+            const uint4 planes1 = nodes[node].planes[1];
+            const int4 words = as_int4(nodes[node].words);
+
+            // Lay the grid along the ray: t = plane * scale + start.
+            const float3 scale =
+                (float3)(grid.w, as_float(planes1.z), as_float(planes1.w)) * inverse;
+            const float start_x = MULADD(grid.x, inverse.x, shift.x) - scale.x;
+            const float start_y = MULADD(grid.y, inverse.y, shift.y) - scale.y;
+            const float start_z = MULADD(grid.z, inverse.z, shift.z) - scale.z;
+
+            // Intersect the ray with the slabs of all children.
+            const bool back_x = inverse.x < 0.0f;
+            const bool back_y = inverse.y < 0.0f;
+            const bool back_z = inverse.z < 0.0f;
+            const float4 near_x =
+                MULADD(quad_planes(back_x ? planes0.y : planes0.x), scale.x, start_x);
+            const float4 near_y =
+                MULADD(quad_planes(back_y ? planes0.w : planes0.z), scale.y, start_y);
+            const float4 near_z =
+                MULADD(quad_planes(back_z ? planes1.y : planes1.x), scale.z, start_z);
+            const float4 far_x =
+                MULADD(quad_planes(back_x ? planes0.x : planes0.y), scale.x, start_x);
+            const float4 far_y =
+                MULADD(quad_planes(back_y ? planes0.z : planes0.w), scale.y, start_y);
+            const float4 far_z =
+                MULADD(quad_planes(back_z ? planes1.x : planes1.y), scale.z, start_z);
+            uint key0 =
+                quad_key(near_x.x, near_y.x, near_z.x, far_x.x, far_y.x, far_z.x, tmin, hit.t, 0u);
+            uint key1 =
+                quad_key(near_x.y, near_y.y, near_z.y, far_x.y, far_y.y, far_z.y, tmin, hit.t, 1u);
+            uint key2 =
+                quad_key(near_x.z, near_y.z, near_z.z, far_x.z, far_y.z, far_z.z, tmin, hit.t, 2u);
+            uint key3 =
+                quad_key(near_x.w, near_y.w, near_z.w, far_x.w, far_y.w, far_z.w, tmin, hit.t, 3u);
+
+            // Take the nearest, keep the others, the farther the deeper; for any hit, take them in
+            // the node's order.
+            int next = 0; // 0: none yet, the root is no child
+            if (any_hit) {
+                quad_visit(&next, stack, &top, key3, words.w);
+                quad_visit(&next, stack, &top, key2, words.z);
+                quad_visit(&next, stack, &top, key1, words.y);
+                quad_visit(&next, stack, &top, key0, words.x);
+            } else {
+                quad_order(&key0, &key2);
+                quad_order(&key1, &key3);
+                quad_order(&key0, &key1);
+                quad_order(&key2, &key3);
+                quad_order(&key1, &key2);
+                quad_visit(&next, stack, &top, key3, quad_word(words, key3));
+                quad_visit(&next, stack, &top, key2, quad_word(words, key2));
+                quad_visit(&next, stack, &top, key1, quad_word(words, key1));
+                quad_visit(&next, stack, &top, key0, quad_word(words, key0));
+            }
+            node = next != 0 ? next : stack[top--];
+
+            // Keep the first leaf, and go on with what is below it on the stack.
+            if (node < 0 && leaf == 0) {
+                leaf = node;
+                node = stack[top--];
+            }
+            if (LEAF_IS_DUE(leaf))
+                break;
+        }
+
+        // Test the leaf, and those right below it on the stack.
+        while (leaf < 0) {
+            if (leaf_test(&hit, scene, leaf, org, dir, tmin, any_hit, passage, mode))
+                return traced_name(hit, scene);
+            leaf = node;
+            if (node < 0)
+                node = stack[top--];
+        }
+    }
+    return traced_name(hit, scene);
+}
+
+#endif

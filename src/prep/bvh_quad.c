@@ -1,0 +1,199 @@
+#include "prep/bvh_quad.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "prep/array.h"
+#include "prep/bvh_pack.h"
+#include "prep/collapse.h"
+#include "prep/vec3.h"
+
+#define LEAF_REFS 16u // most references of a subtree that becomes a leaf
+
+// Planes are put outwards by this part of a cell: beside 1, the float that a byte becomes keeps
+// 2^-9 of one.
+#define CELL_MARGIN 0x1p-6
+
+// Cells between the first and the last plane: room is left for margins and for rounding.
+#define CELLS 254.0
+
+struct packer {
+    struct quad_bvh quad;
+    struct collapse collapse; // of the tree; owned
+    const struct tri_ref *refs;
+    const struct geometry *geometry;
+    const struct scene_material *materials;
+};
+
+// The boxes of a node's children.
+struct boxes {
+    float lo[QUAD_CHILDREN][3], hi[QUAD_CHILDREN][3];
+    uint32_t count;
+};
+
+// Lays a grid along one axis and puts the boxes' planes on it. False if it does not reach.
+static bool lay_grid(float *origin, float *scale, unsigned char *bytes, const struct boxes *boxes,
+                     int axis)
+{
+    float least = boxes->count > 0 ? FLT_MAX : 0.0f;
+    float most = -least;
+    for (uint32_t i = 0; i < boxes->count; i++) {
+        least = fminf(least, boxes->lo[i][axis]);
+        most = fmaxf(most, boxes->hi[i][axis]);
+    }
+
+    // An origin may be rounded down by as much as it is precise.
+    const double extent = (double)most - least + fabs(least) * 0x1p-22 + FLT_MIN;
+    const double exact = extent / CELLS * (1 << QUAD_SHIFT);
+    if (exact > FLT_MAX)
+        return false;
+    *scale = float_above(exact);
+    const double cell = *scale / (double)(1 << QUAD_SHIFT);
+    *origin = float_below(least - CELL_MARGIN * cell);
+    for (uint32_t i = 0; i < boxes->count; i++) {
+        const double lo = floor(((double)boxes->lo[i][axis] - *origin) / cell - CELL_MARGIN);
+        const double hi = ceil(((double)boxes->hi[i][axis] - *origin) / cell + CELL_MARGIN);
+        bytes[i] = (unsigned char)fmax(lo, 0.0); // -1 if the quotient rounds
+        bytes[QUAD_CHILDREN + i] = (unsigned char)fmin(hi, 255.0);
+    }
+    return true;
+}
+
+// Puts the boxes of a node on its grid. False if it does not reach.
+static bool set_boxes(struct quad_node *out, const struct boxes *boxes)
+{
+    float origins[3], scales[3];
+    unsigned char bytes[3][2 * QUAD_CHILDREN];
+    for (int axis = 0; axis < 3; axis++) {
+        // Children that are not there end before they begin.
+        memset(bytes[axis], 0xff, QUAD_CHILDREN);
+        memset(bytes[axis] + QUAD_CHILDREN, 0, QUAD_CHILDREN);
+        if (!lay_grid(&origins[axis], &scales[axis], bytes[axis], boxes, axis))
+            return false;
+    }
+    out->grid = (float4){origins[0], origins[1], origins[2], scales[0]};
+    memcpy(out->planes, bytes, sizeof(bytes));
+    memcpy((unsigned char *)out->planes + sizeof(bytes), &scales[1], 2 * sizeof(scales[1]));
+    return true;
+}
+
+static bool is_repeated(const uint32_t *words, uint32_t count, uint32_t word)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (words[i] == word)
+            return true;
+    return false;
+}
+
+// Writes the references of a leaf. Returns its word.
+static int32_t pack_leaf(struct packer *p, const struct collapse_choice *choice)
+{
+    const uint32_t first = p->quad.ref_count;
+    uint32_t *words = p->quad.refs + first;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < choice->count; i++) {
+        const uint32_t ref = p->collapse.bvh->order[choice->first + i];
+        const uint32_t word = bvh_ref_word(p->geometry, p->materials, p->refs[ref].triangle);
+        if (!is_repeated(words, count, word))
+            words[count++] = word;
+    }
+    p->quad.ref_count += count;
+    return ~(int32_t)(first << BVH_LEAF_BITS | count);
+}
+
+static enum status pack_child(int32_t *word, struct packer *p, uint32_t index);
+
+// Writes a node of these children and what is below them, depth first.
+static enum status pack_node(int32_t *word, struct packer *p, const uint32_t *children,
+                             uint32_t count)
+{
+    struct boxes boxes = {.count = count};
+    const uint32_t place = p->quad.node_count++;
+    int32_t words[QUAD_CHILDREN] = {QUAD_EMPTY, QUAD_EMPTY, QUAD_EMPTY, QUAD_EMPTY};
+    for (uint32_t i = 0; i < count; i++) {
+        bvh_grow(boxes.lo[i], boxes.hi[i], &p->collapse.bvh->nodes[children[i]]);
+        const enum status status = pack_child(&words[i], p, children[i]);
+        if (status != STATUS_OK)
+            return status;
+    }
+    if (!set_boxes(&p->quad.nodes[place], &boxes))
+        return status_fail(STATUS_LIMIT, "the scene is too large for a BVH of bytes; use --bvh "
+                                         "binary");
+    memcpy(&p->quad.nodes[place].words, words, sizeof(words));
+    *word = (int32_t)place;
+    return STATUS_OK;
+}
+
+static enum status pack_child(int32_t *word, struct packer *p, uint32_t index)
+{
+    uint32_t children[COLLAPSE_WIDTH_MAX];
+    const struct collapse_choice *choice = &p->collapse.choices[index];
+    if (!choice->leaf) {
+        const uint32_t count = collapse_children(children, &p->collapse, index);
+        return pack_node(word, p, children, count);
+    }
+    *word = pack_leaf(p, choice);
+    return STATUS_OK;
+}
+
+static enum status pack(struct packer *p)
+{
+    const struct bvh *bvh = p->collapse.bvh;
+    const uint32_t root = 0;
+    int32_t word;
+    enum status status;
+    if (bvh->node_count > 0 && !p->collapse.choices[0].leaf)
+        status = pack_child(&word, p, root);
+    else
+        status = pack_node(&word, p, &root, bvh->node_count > 0 ? 1 : 0);
+    if (status != STATUS_OK)
+        return status;
+#pragma omp parallel for schedule(static)
+    for (uint32_t i = 0; i < p->quad.ref_count; i++)
+        bvh_woop(&p->quad.woop[i], p->geometry, p->quad.refs[i] & BVH_REF_TRIANGLE);
+    return STATUS_OK;
+}
+
+enum status quad_bvh_pack(struct quad_bvh *out, const struct bvh *bvh, const struct tri_ref *refs,
+                          const struct geometry *geometry, const struct scene_material *materials)
+{
+    static const struct collapse_rule rule = {.width = QUAD_CHILDREN,
+                                              .block = 1,
+                                              .leaf_refs = LEAF_REFS,
+                                              .node_cost = 1.0f,
+                                              .block_cost = 1.0f};
+    struct packer p = {.refs = refs, .geometry = geometry, .materials = materials};
+    enum status status = bvh_check_limits(bvh);
+    if (status == STATUS_OK)
+        status = collapse_build(&p.collapse, bvh, &rule);
+    if (status != STATUS_OK)
+        return status;
+
+    uint32_t block_count = 0;
+    const uint32_t node_count = // a root of one leaf is none of the tree's
+        collapse_count(&block_count, &p.collapse) + 1;
+    p.quad.nodes = array_alloc(node_count, sizeof(*p.quad.nodes));
+    p.quad.woop = array_alloc(bvh->ref_count, sizeof(*p.quad.woop));
+    p.quad.refs = array_alloc(bvh->ref_count, sizeof(*p.quad.refs));
+    if (p.quad.nodes == NULL || p.quad.woop == NULL || p.quad.refs == NULL)
+        status = status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes and %u references",
+                             node_count, bvh->ref_count);
+    if (status == STATUS_OK)
+        status = pack(&p);
+    if (status == STATUS_OK)
+        *out = p.quad;
+    else
+        quad_bvh_free(&p.quad);
+    collapse_free(&p.collapse);
+    return status;
+}
+
+void quad_bvh_free(struct quad_bvh *quad)
+{
+    free(quad->refs);
+    free(quad->woop);
+    free(quad->nodes);
+    *quad = (struct quad_bvh){0};
+}
