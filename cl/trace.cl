@@ -4,14 +4,15 @@
 //   out   hits[slot]; with LAYERS and ALPHA, paths[slot].throughput of rays through coloured panes
 //   next  sort
 //
-// Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), else one ray an item;
-// RAY_SPANS: rays carry how near and how far they look, else
-// they look ahead without end; NODES_IMAGE reads nodes through a 1D texture; ALPHA asks materials
-// whether they let a ray by, LAYERS also those that are thin and smooth; ANY_HIT: whether there is
-// a hit, of any triangle: hits[slot].triangle is 0 or HIT_NONE.
+// Variants: PERSISTENT fetches work from counters.trace_head (lib/queue.h), with BVH_QUAD and
+// WARP_VOTES lane by lane (lib/trace_refill.h), else one ray an item; RAY_SPANS: rays carry how
+// near and how far they look, else they look ahead without end; NODES_IMAGE reads nodes through a
+// 1D texture; ALPHA asks materials whether they let a ray by, LAYERS also those that are thin and
+// smooth; ANY_HIT: whether there is a hit, of any triangle: hits[slot].triangle is 0 or HIT_NONE.
 
 #include "lib/queue.h"
 #include "lib/traverse.h"
+#include "lib/trace_refill.h"
 #include "shared/path.h"
 
 #if ANY_HIT
@@ -32,6 +33,14 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
 {
     TRACED_SCENE(scene);
     const uint count = counters[bounce].active;
+#if TRACE_REFILLS
+    trace_refilling(nodes, &scene, rays, queue, hits, &counters[bounce].trace_head, count, TRACE_ANY
+#if ALPHA && LAYERS
+                    ,
+                    paths
+#endif
+    );
+#else
     QUEUE_LOCAL(run);
     for (uint i = queue_first(&counters[bounce].trace_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].trace_head, run)) {
@@ -65,4 +74,5 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
         hits[slot] = hit;
 #endif
     }
+#endif
 }

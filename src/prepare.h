@@ -15,7 +15,7 @@
  *
  * @param settings  split_threshold, leaf_size, bvh_build, light_sampler (not auto) and what makes
  *                  the environment are looked at.
- * @param layouts   1 << LK_BVH_BINARY, 1 << LK_BVH_WIDE, or both: of the BVH.
+ * @param layouts   Of the BVH, those asked for: the sum of 1 << LK_BVH_..., auto not among them.
  */
 enum status prepare_scene(struct lk_scene *scene, const struct lk_settings *settings,
                           unsigned layouts);

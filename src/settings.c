@@ -94,7 +94,8 @@ enum status settings_check_device(const struct lk_settings *settings, const stru
     if (!has_votes(settings))
         return STATUS_OK;
     if (settings->bvh == LK_BVH_WIDE)
-        return status_fail(STATUS_UNSUPPORTED, "--trace postponing and warps go with --bvh binary or quad");
+        return status_fail(STATUS_UNSUPPORTED,
+                           "--trace postponing and warps go with --bvh binary or quad");
     if (!program_takes_votes(gpu))
         return status_fail(STATUS_UNSUPPORTED,
                            "device \"%s\" has no warps that vote; use --trace simple or persistent",

@@ -69,26 +69,46 @@ static inline void quad_visit(int *next, int *stack, int *top, const uint key, c
     *next = word;
 }
 
-// Finds what the ray hits between tmin, 0 at least, and tmax (lib/traverse.h).
-static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
-                                          const float3 org, const float3 dir, const float tmin,
-                                          const float tmax, const bool any_hit,
-                                          struct passage *passage, const int mode)
+// A ray on its way through the tree.
+struct quad_walk {
+    struct hit hit;        // the best so far; its t shrinks with every hit
+    float3 org, dir;       // of the ray
+    float3 inverse, shift; // of its slab tests
+    float tmin;
+    int node; // current child word, QUAD_DONE at the end
+    int top;  // of the stack: its last entry
+};
+
+//   stack  [QUAD_STACK_SIZE] child words yet to visit
+static inline void quad_begin(struct quad_walk *w, int *stack, const float3 org, const float3 dir,
+                              const float tmin, const float tmax)
 {
-    struct hit hit; // the best so far
-    hit.t = tmax;   // shrinks with every hit
-    hit.u = 0.0f;
-    hit.v = 0.0f;
-    hit.triangle = HIT_NONE;
-
-    int stack[QUAD_STACK_SIZE]; // child words yet to visit
+    w->hit.t = tmax;
+    w->hit.u = 0.0f;
+    w->hit.v = 0.0f;
+    w->hit.triangle = HIT_NONE;
+    w->org = org;
+    w->dir = dir;
+    w->inverse = traverse_inverse(dir);
+    w->shift = -org * w->inverse;
+    w->tmin = tmin;
+    w->node = 0;
+    w->top = 0;
     stack[0] = QUAD_DONE;
-    int top = 0;  // its last entry
-    int node = 0; // current child word
+}
 
-    const float3 inverse = traverse_inverse(dir);
-    const float3 shift = -org * inverse;
-
+// Walks on, to the end or until a leaf has been tested and fewer than `few` lanes of the warp are
+// here; 0: to the end.
+static inline void quad_go(struct quad_walk *w, int *stack, BVH_NODES nodes,
+                           const struct traced *scene, const bool any_hit, struct passage *passage,
+                           const int mode, const int few)
+{
+    const float3 inverse = w->inverse;
+    const float3 shift = w->shift;
+    const float tmin = w->tmin;
+    struct hit hit = w->hit;
+    int node = w->node;
+    int top = w->top;
     while (node != QUAD_DONE) {
         int leaf = 0; // child word of the leaf to test; 0: none yet, the root is no child
 
@@ -163,14 +183,35 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
 
         // Test the leaf, and those right below it on the stack.
         while (leaf < 0) {
-            if (leaf_test(&hit, scene, leaf, org, dir, tmin, any_hit, passage, mode))
-                return traced_name(hit, scene);
+            if (leaf_test(&hit, scene, leaf, w->org, w->dir, tmin, any_hit, passage, mode)) {
+                node = QUAD_DONE;
+                break;
+            }
             leaf = node;
             if (node < 0)
                 node = stack[top--];
         }
+#if WARP_VOTES
+        if (few > 0 && (int)popcount(warp_here()) < few)
+            break;
+#endif
     }
-    return traced_name(hit, scene);
+    w->hit = hit;
+    w->node = node;
+    w->top = top;
+}
+
+// Finds what the ray hits between tmin, 0 at least, and tmax (lib/traverse.h).
+static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
+                                          const float3 org, const float3 dir, const float tmin,
+                                          const float tmax, const bool any_hit,
+                                          struct passage *passage, const int mode)
+{
+    struct quad_walk walk;
+    int stack[QUAD_STACK_SIZE];
+    quad_begin(&walk, stack, org, dir, tmin, tmax);
+    quad_go(&walk, stack, nodes, scene, any_hit, passage, mode, 0);
+    return traced_name(walk.hit, scene);
 }
 
 #endif

@@ -12,12 +12,19 @@
 
 #define WARP_LANES 32
 
+// The lanes that are here now, a bit each.
+static inline uint warp_here(void)
+{
+    uint here;
+    __asm volatile("activemask.b32 %0;" : "=r"(here));
+    return here;
+}
+
 // Whether something holds for any of the lanes that are here now.
 static inline bool warp_any(const bool holds)
 {
-    uint here;
+    const uint here = warp_here();
     uint which;
-    __asm volatile("activemask.b32 %0;" : "=r"(here));
     __asm volatile("{ .reg .pred p; setp.ne.u32 p, %1, 0; vote.sync.ballot.b32 %0, p, %2; }"
                    : "=r"(which)
                    : "r"((uint)holds), "r"(here));
@@ -31,6 +38,22 @@ static inline float warp_pick(const uint a, const uint b, const uint which)
     uint picked;
     __asm("prmt.b32 %0, %1, %2, %3;" : "=r"(picked) : "r"(a), "r"(b), "r"(which));
     return as_float(picked);
+}
+
+// Fetches a place of a queue for each of the lanes that are here, by one atomic add.
+static inline uint warp_fetch(volatile __global uint *head)
+{
+    const uint here = warp_here();
+    const uint before = here & ((1u << (uint)get_local_id(0) % WARP_LANES) - 1u);
+    const uint leader = 31u - clz(here & (0u - here));
+    uint first = 0;
+    if (before == 0)
+        first = atomic_add(head, popcount(here));
+    uint place;
+    __asm volatile("shfl.sync.idx.b32 %0, %1, %2, 31, %3;"
+                   : "=r"(place)
+                   : "r"(first), "r"(leader), "r"(here));
+    return place + popcount(before);
 }
 
 // The first lane's value. All lanes of the warp must come here.
