@@ -27,7 +27,6 @@ struct lk_tracer {
     struct trace nearest, any;
     struct camera camera;
     struct lk_tracer_info info;
-    bool persistent;
     uint32_t ray_count; // rays set
 };
 
@@ -117,7 +116,6 @@ static enum status set_up(struct lk_tracer *t, struct lk_scene *scene)
     const struct settings settings = {.seed = s->seed, .depth = BOUNCES};
     struct program_options options = settings_program_options(s);
     uint32_t built = 0;
-    t->persistent = options.persistent;
     options.ray_spans = true;
     uint4 *points = NULL; // random: point_shift is 0
     enum status status = samples_build(&points, s->seed, BOUNCES, settings.point_shift);
@@ -209,7 +207,6 @@ static struct stage_context make_context(struct lk_tracer *t, uint32_t count)
         .scene = &t->scene,
         .wavefront = &t->wavefront,
         .batch = {.count = count, .pixel_count = t->info.width * t->info.height},
-        .persistent = t->persistent,
     };
     return context;
 }

@@ -178,6 +178,8 @@ enum status kernel_build(struct kernel *out, const struct gpu *gpu, const char *
         return status;
     *built += program.from_source;
     status = kernel_create(out, gpu, &program, name);
+    if (status == STATUS_OK)
+        out->persistent = options->persistent;
     program_free(&program);
     return status;
 }

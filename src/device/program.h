@@ -49,6 +49,7 @@ struct kernel {
     struct _cl_kernel *handle; // owned
     char name[32];
     size_t group_size; // work items in a group, as the kernel says
+    bool persistent;   // its items take work from a queue (lib/queue.h)
 };
 
 /** One argument of a kernel: ARG_BUFFER or ARG_VALUE. */

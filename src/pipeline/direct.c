@@ -3,7 +3,8 @@
 enum status direct_build(struct direct *out, const struct gpu *gpu,
                          const struct program_options *options, uint32_t *built)
 {
-    return kernel_build(&out->kernel, gpu, "direct", options, built);
+    const struct program_options own = stage_shadow_options(options);
+    return kernel_build(&out->kernel, gpu, "direct", &own, built);
 }
 
 enum status direct_enqueue(const struct direct *direct, const struct stage_context *context)

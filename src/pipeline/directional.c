@@ -3,7 +3,8 @@
 enum status directional_build(struct directional *out, const struct gpu *gpu,
                               const struct program_options *options, uint32_t *built)
 {
-    return kernel_build(&out->kernel, gpu, "directional", options, built);
+    const struct program_options own = stage_shadow_options(options);
+    return kernel_build(&out->kernel, gpu, "directional", &own, built);
 }
 
 enum status directional_enqueue(const struct directional *directional,

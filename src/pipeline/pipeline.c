@@ -128,7 +128,6 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
         .scene = scene,
         .wavefront = wavefront,
         .batch = *batch,
-        .persistent = pipeline->options.persistent,
     };
 
     // After the last shaded hit a path may go on once more, to collect what a glossy surface

@@ -19,9 +19,17 @@ size_t stage_loop_items(const struct stage_context *context, const struct kernel
     return (size_t)context->gpu->info.compute_units * LOOP_GROUPS * kernel->group_size;
 }
 
+struct program_options stage_shadow_options(const struct program_options *options)
+{
+    struct program_options own = *options;
+    if (own.bvh_quad && own.warp_votes)
+        own.persistent = false;
+    return own;
+}
+
 size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel)
 {
-    if (!context->persistent)
+    if (!kernel->persistent)
         return context->batch.count;
     const struct gpu_info *info = &context->gpu->info;
     const size_t per_unit =

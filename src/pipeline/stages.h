@@ -23,7 +23,6 @@ struct stage_context {
     const struct wavefront *wavefront;
     struct batch batch;
     uint32_t bounce;
-    bool persistent; // tracing kernels take work from a queue
 };
 
 /** The arguments that every kernel that traces takes first: TRACED_PARAMETERS of cl/lib/traverse.h.
@@ -39,6 +38,12 @@ const struct buffer *stage_queue(const struct stage_context *context);
 
 /** Work items of a kernel that loops until the work is done: enough to fill the device. */
 size_t stage_loop_items(const struct stage_context *context, const struct kernel *kernel);
+
+/**
+ * Build options of a kernel that traces shadow rays on the way. Only rays that are traced alone can
+ * refill a warp (cl/lib/trace_refill.h); with others, a queue for each warp is slower than none.
+ */
+struct program_options stage_shadow_options(const struct program_options *options);
 
 /** Work items of a kernel that traces. */
 size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel);

@@ -115,6 +115,7 @@ static inline void build_variant(struct variant *variant, struct gpu *gpu)
     }
     struct program program = device_program(gpu, variant->source, &variant->options);
     assert_ok(kernel_create(&variant->trace.kernel, gpu, &program, "trace"));
+    variant->trace.kernel.persistent = variant->options.persistent;
     program_free(&program);
 }
 
@@ -241,7 +242,6 @@ static inline void run_variant(struct hit *hits, const struct fixture *f,
         .wavefront = w,
         .batch = {.count = RAYS, .pixel_count = RAYS},
         .bounce = 1,
-        .persistent = variant->options.persistent,
     };
     assert_ok(trace_enqueue(&variant->trace, &context));
     assert_ok(buffer_read(f->gpu, &w->hits, hits, RAYS * sizeof(*hits)));

@@ -195,6 +195,38 @@ static void boxes_far_away_large_and_small_are_held(void **state)
     check_tree(make_soup(4, 300, 1e12, 1e-3), false);
 }
 
+static void equal_triangles_are_no_harm(void **state)
+{
+    (void)state;
+    float corners[9 * 300];
+    for (uint32_t i = 0; i < 9 * 300; i++)
+        corners[i] = (float)(i % 9 * (i % 9));
+    for (int split = 0; split < 2; split++)
+        check_tree(make_geometry(corners, 300), split);
+}
+
+// Each plane parts only the largest few from all others.
+static void deep_trees_fit_the_stack(void **state)
+{
+    (void)state;
+    const uint32_t count = 4000;
+    float *corners = malloc(9 * count * sizeof(*corners));
+    for (uint32_t i = 0; i < 9 * count; i++)
+        corners[i] = (float)exp2(60.0 - 120.0 * (i / 9) / count) * (1.0f + 0.1f * (float)(i % 7));
+    for (int split = 0; split < 2; split++)
+        check_tree(make_geometry(corners, count), split);
+    free(corners);
+}
+
+static void trees_deeper_than_the_stack_are_a_limit(void **state)
+{
+    (void)state;
+    const struct geometry geometry = {0};
+    const struct bvh bvh = {.node_count = 1, .depth = BVH_STACK_SIZE + 1};
+    struct quad_bvh quad;
+    assert_int_equal(quad_bvh_pack(&quad, &bvh, NULL, &geometry, materials), STATUS_LIMIT);
+}
+
 // All triangles of a node in one plane: a grid without extent.
 static void flat_scenes_are_held(void **state)
 {
@@ -228,6 +260,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_triangle_is_in_a_leaf_with_its_rows),
         cmocka_unit_test(boxes_far_away_large_and_small_are_held),
+        cmocka_unit_test(equal_triangles_are_no_harm),
+        cmocka_unit_test(deep_trees_fit_the_stack),
+        cmocka_unit_test(trees_deeper_than_the_stack_are_a_limit),
         cmocka_unit_test(flat_scenes_are_held),
         cmocka_unit_test(scenes_beyond_a_grid_are_refused),
     };
