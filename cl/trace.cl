@@ -9,6 +9,9 @@
 // near and how far they look, else they look ahead without end; NODES_IMAGE reads nodes through a
 // 1D texture; ALPHA asks materials whether they let a ray by, LAYERS also those that are thin and
 // smooth; ANY_HIT: whether there is a hit, of any triangle: hits[slot].triangle is 0 or HIT_NONE.
+//
+// trace_packets does the same for rays that run alike, on CPUs: neighbours in the queue go together
+// (lib/traverse_packet.h).
 
 #include "lib/queue.h"
 #include "lib/traverse.h"
@@ -21,15 +24,75 @@
 #define TRACE_ANY false
 #endif
 
-__kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
-    TRACED_PARAMETERS, __global const struct ray *restrict rays,
-    __global const uint *restrict queue, __global struct hit *restrict hits,
-    __global struct counters *counters, const uint bounce
 #if ALPHA && LAYERS
-    ,
-    __global struct path *restrict paths
+#define TRACE_TINTS 1
 #endif
-)
+
+// What both kernels take.
+#define TRACE_PARAMETERS                                                                           \
+    TRACED_PARAMETERS, __global const struct ray *restrict rays,                                   \
+        __global const uint *restrict queue, __global struct hit *restrict hits,                   \
+        __global struct counters *counters, const uint bounce
+#if TRACE_TINTS
+#define TRACE_PATHS , __global struct path *restrict paths
+#else
+#define TRACE_PATHS
+#endif
+
+// Reads a ray; w are the nearest and the farthest hit that it accepts.
+static inline struct ray trace_load(__global const struct ray *rays, const uint slot)
+{
+    struct ray ray = rays[slot];
+#if !RAY_SPANS
+    ray.org.w = 0.0f;
+    ray.dir.w = FLT_MAX;
+#endif
+    return ray;
+}
+
+#if TRACE_TINTS
+
+// Gives a ray that has gone through something coloured its colour. What was tested beyond the hit
+// has no part in it.
+static inline void trace_tint(BVH_NODES nodes, const struct traced *scene, const struct ray ray,
+                              const float t, __global struct path *path)
+{
+    struct passage passage;
+    passage_init(&passage);
+    traverse_through(nodes, scene, ray.org.xyz, ray.dir.xyz, ray.org.w, t, false, &passage,
+                     PASSAGE_TINT);
+    path->throughput_bits.xyz *= passage.share;
+}
+
+#endif
+
+// Traces the ray of one slot.
+static inline void trace_slot(BVH_NODES nodes, const struct traced *scene,
+                              __global const struct ray *rays, __global struct hit *hits,
+                              const uint slot TRACE_PATHS)
+{
+    const struct ray ray = trace_load(rays, slot);
+    struct passage passage;
+    passage_init(&passage);
+    struct hit hit = traverse_through(nodes, scene, ray.org.xyz, ray.dir.xyz, ray.org.w, ray.dir.w,
+                                      TRACE_ANY, &passage, PASSAGE_CHANCE);
+    if (TRACE_ANY) // which one was not asked, and is a read less
+        hit.triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
+    hits[slot] = hit;
+#if TRACE_TINTS
+    if (passage.tinted)
+        trace_tint(nodes, scene, ray, hit.t, &paths[slot]);
+#endif
+}
+
+#if TRACE_TINTS
+#define TRACE_SLOT(slot) trace_slot(nodes, &scene, rays, hits, slot, paths)
+#else
+#define TRACE_SLOT(slot) trace_slot(nodes, &scene, rays, hits, slot)
+#endif
+
+__kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
+    TRACE_PARAMETERS TRACE_PATHS)
 {
     TRACED_SCENE(scene);
     const uint count = counters[bounce].active;
@@ -43,36 +106,85 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
 #else
     QUEUE_LOCAL(run);
     for (uint i = queue_first(&counters[bounce].trace_head, run); queue_group(i) < count;
-         i = queue_next(i, &counters[bounce].trace_head, run)) {
-        if (i >= count)
-            continue;
-        const uint slot = queue[i];
-        const float3 org = rays[slot].org.xyz;
-        const float3 dir = rays[slot].dir.xyz;
-#if RAY_SPANS
-        const float tmin = rays[slot].org.w;
-        const float tmax = rays[slot].dir.w;
-#else
-        const float tmin = 0.0f;
-        const float tmax = FLT_MAX;
-#endif
-#if ALPHA && LAYERS
-        struct passage passage;
-        passage_init(&passage);
-        const struct hit hit = traverse_through(nodes, &scene, org, dir, tmin, tmax, TRACE_ANY,
-                                                &passage, PASSAGE_CHANCE);
-        hits[slot] = hit;
-        if (passage.tinted) {
-            // What was tested beyond the hit has no part in it.
-            traverse_through(nodes, &scene, org, dir, tmin, hit.t, false, &passage, PASSAGE_TINT);
-            paths[slot].throughput_bits.xyz *= passage.share;
-        }
-#else
-        struct hit hit = traverse(nodes, &scene, org, dir, tmin, tmax, TRACE_ANY);
-        if (TRACE_ANY) // which one was not asked, and is a read less
-            hit.triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
-        hits[slot] = hit;
-#endif
-    }
+         i = queue_next(i, &counters[bounce].trace_head, run))
+        if (i < count)
+            TRACE_SLOT(queue[i]);
 #endif
 }
+
+#if DEVICE_CPU && BVH_WIDE && !ANY_HIT
+
+#include "lib/traverse_packet.h"
+
+// One packet a group: PoCL keeps what each item of a larger one has on its stack apart.
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_packets(
+    TRACE_PARAMETERS TRACE_PATHS)
+{
+    TRACED_SCENE(scene);
+    const uint count = counters[bounce].active;
+    const uint first = get_global_id(0) * RAY_PACKET;
+    if (first >= count)
+        return;                                      // the launch is as large as the batch
+    const uint own = min(count - first, RAY_PACKET); // rays; the last one fills the packet up
+
+    // Put the rays side by side.
+    float rows[8][RAY_PACKET];
+    for (uint k = 0; k < RAY_PACKET; k++) {
+        const struct ray ray = trace_load(rays, queue[first + min(k, own - 1)]);
+        rows[0][k] = ray.org.x;
+        rows[1][k] = ray.org.y;
+        rows[2][k] = ray.org.z;
+        rows[3][k] = ray.org.w;
+        rows[4][k] = ray.dir.x;
+        rows[5][k] = ray.dir.y;
+        rows[6][k] = ray.dir.z;
+        rows[7][k] = ray.dir.w;
+    }
+    struct packet packet;
+    packet.org_x = vload16(0, rows[0]);
+    packet.org_y = vload16(0, rows[1]);
+    packet.org_z = vload16(0, rows[2]);
+    packet.tmin = vload16(0, rows[3]);
+    packet.dir_x = vload16(0, rows[4]);
+    packet.dir_y = vload16(0, rows[5]);
+    packet.dir_z = vload16(0, rows[6]);
+    packet.t = vload16(0, rows[7]);
+    packet.u = (float16)(0.0f);
+    packet.v = (float16)(0.0f);
+    packet.ref = (uint16)(HIT_NONE);
+
+    // Trace those of one octant together.
+    const int16 octants =
+        ((packet.dir_x < 0.0f) & 1) | ((packet.dir_y < 0.0f) & 2) | ((packet.dir_z < 0.0f) & 4);
+    int octant[RAY_PACKET];
+    uint tinted = 0; // rays that have gone through something coloured
+    vstore16(octants, 0, octant);
+    for (uint rest = 0xffffu; rest != 0; rest &= ~packet_bits(packet.active)) {
+        const uint k = lanes_lowest(rest);
+        packet.active = octants == octant[k];
+        traverse_packet(&tinted, &packet, nodes, &scene,
+                        (float3)(rows[4][k], rows[5][k], rows[6][k]));
+    }
+
+    // Write their hits.
+    uint found[RAY_PACKET];
+    vstore16(packet.t, 0, rows[0]);
+    vstore16(packet.u, 0, rows[1]);
+    vstore16(packet.v, 0, rows[2]);
+    vstore16(packet.ref, 0, found);
+    for (uint k = 0; k < own; k++) {
+        const uint slot = queue[first + k];
+        struct hit hit;
+        hit.t = rows[0][k];
+        hit.u = rows[1][k];
+        hit.v = rows[2][k];
+        hit.triangle = found[k];
+        hits[slot] = traced_name(hit, &scene);
+#if TRACE_TINTS
+        if (tinted & (1u << k))
+            trace_tint(nodes, &scene, trace_load(rays, slot), hit.t, &paths[slot]);
+#endif
+    }
+}
+
+#endif

@@ -28,6 +28,7 @@ struct lk_tracer {
     struct camera camera;
     struct lk_tracer_info info;
     uint32_t ray_count; // rays set
+    bool coherent;      // all from one point
 };
 
 enum lk_status lk_scene_geometry(struct lk_geometry *out, struct lk_scene *scene)
@@ -207,6 +208,7 @@ static struct stage_context make_context(struct lk_tracer *t, uint32_t count)
         .scene = &t->scene,
         .wavefront = &t->wavefront,
         .batch = {.count = count, .pixel_count = t->info.width * t->info.height},
+        .coherent = t->coherent,
     };
     return context;
 }
@@ -220,6 +222,15 @@ enum lk_status lk_tracer_camera_rays(struct lk_tracer *tracer, struct lk_ray *ra
         status =
             buffer_read(&tracer->gpu, &tracer->wavefront.rays, rays, count * sizeof(struct ray));
     return (enum lk_status)status;
+}
+
+// Whether all rays come from one point, as a camera's do.
+static bool have_one_origin(const struct lk_ray *rays, uint32_t count)
+{
+    for (uint32_t i = 1; i < count; i++)
+        if (memcmp(rays[i].org, rays[0].org, sizeof(rays[0].org)) != 0)
+            return false;
+    return true;
 }
 
 enum lk_status lk_tracer_set_rays(struct lk_tracer *tracer, const struct lk_ray *rays,
@@ -236,6 +247,7 @@ enum lk_status lk_tracer_set_rays(struct lk_tracer *tracer, const struct lk_ray 
         status =
             buffer_write(&tracer->gpu, &tracer->wavefront.rays, rays, count * sizeof(struct ray));
     tracer->ray_count = count;
+    tracer->coherent = have_one_origin(rays, count);
     return (enum lk_status)status;
 }
 

@@ -10,6 +10,7 @@
 #ifndef LIB_TRAVERSE_WIDE_H
 #define LIB_TRAVERSE_WIDE_H
 
+#include "lib/eight.h"
 #include "lib/traced.h"
 
 #define BVH_NODES __global const float8 *restrict
@@ -17,33 +18,13 @@
 #define WIDE_ROWS       8  // float8 rows of a node
 #define WIDE_BLOCK_ROWS 12 // float4 rows of a block
 
-#ifndef WIDE_PORTABLE
-#define WIDE_PORTABLE 0 // 1: without x86's instructions for masks, as on other CPUs
-#endif
-
-// Plain comparisons: fmin and fmax would carry NaNs.
-static inline float8 min8(const float8 a, const float8 b)
-{
-    return a < b ? a : b;
-}
-
-static inline float8 max8(const float8 a, const float8 b)
-{
-    return a > b ? a : b;
-}
-
 // Bit k is set where a[k] <= b[k].
 static inline uint wide_compare(const float8 a, const float8 b)
 {
 #if !WIDE_PORTABLE && defined(__AVX512VL__) && defined(__AVX512DQ__)
     return __builtin_ia32_cmpps256_mask(a, b, 2, (uchar)0xff); // 2: less or equal
-#elif !WIDE_PORTABLE && defined(__AVX__)
-    return (uint)__builtin_ia32_movmskps256(as_float8(a <= b));
 #else
-    const int8 bits = (a <= b) & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
-    const int4 four = bits.lo | bits.hi;
-    const int2 two = four.lo | four.hi;
-    return (uint)(two.x | two.y);
+    return lanes_bits(a <= b);
 #endif
 }
 
@@ -56,16 +37,6 @@ static inline uint wide_bits(const int4 lanes)
     const int4 bits = lanes & (int4)(1, 2, 4, 8);
     const int2 two = bits.lo | bits.hi;
     return (uint)(two.x | two.y);
-#endif
-}
-
-// The lowest bit that is set; some is.
-static inline uint wide_lowest(const uint bits)
-{
-#if !WIDE_PORTABLE && DEVICE_CPU && defined(__clang__)
-    return (uint)__builtin_ctz(bits);
-#else
-    return 31u - clz(bits & (0u - bits));
 #endif
 }
 
@@ -114,7 +85,7 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
         vstore4(u, 0, us);
         vstore4(v, 0, vs);
         for (; bits != 0; bits &= bits - 1) {
-            const uint lane = wide_lowest(bits);
+            const uint lane = lanes_lowest(bits);
             if (!(ts[lane] < hit->t))
                 continue;
 #if ALPHA
@@ -135,20 +106,49 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
     return false;
 }
 
-// Turns the number of a reference into that of its triangle: once for each ray, since it is a miss
-// of the cache.
-static inline struct hit wide_name(struct hit hit, const struct traced *scene)
-{
-    if (hit.triangle != HIT_NONE)
-        hit.triangle = scene->refs[hit.triangle] & BVH_REF_TRIANGLE;
-    return hit;
-}
-
 // A child that is kept for later.
 struct wide_entry {
     int word;
     float enter; // where the ray enters it; not set if any hit is looked for
 };
+
+// Takes the nearest of the children that are hit, and keeps the others, the farther the deeper.
+//
+//   bits   those that are hit; some is
+//   enter  where
+// Returns the word of the one to go on with.
+static inline int wide_descend(struct wide_entry *stack, uint *top, __global const int *children,
+                               uint bits, const float8 enter)
+{
+    uint child = lanes_lowest(bits);
+    bits &= bits - 1;
+    int node = children[child];
+    if (bits == 0)
+        return node;
+
+    float starts[WIDE_CHILDREN];
+    vstore8(enter, 0, starts);
+    float start = starts[child];
+    const uint base = *top;
+    do {
+        child = lanes_lowest(bits);
+        bits &= bits - 1;
+        struct wide_entry entry;
+        entry.word = children[child];
+        entry.enter = starts[child];
+        if (entry.enter < start) {
+            const struct wide_entry other = {node, start};
+            node = entry.word;
+            start = entry.enter;
+            entry = other;
+        }
+        uint place = (*top)++;
+        for (; place > base && stack[place - 1].enter < entry.enter; place--)
+            stack[place] = stack[place - 1];
+        stack[place] = entry;
+    } while (bits != 0);
+    return node;
+}
 
 // Finds what the ray hits between tmin and tmax (lib/traverse.h).
 static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
@@ -204,47 +204,20 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             if (any_hit) {
                 for (; (bits & (bits - 1)) != 0; bits ^= 1u << wide_highest(bits))
                     stack[top++].word = children[wide_highest(bits)];
-                node = children[wide_lowest(bits)];
+                node = children[lanes_lowest(bits)];
                 continue;
             }
 
-            uint child = wide_lowest(bits);
-            bits &= bits - 1;
-            node = children[child];
-            if (bits == 0)
-                continue;
-
-            // Several: take the nearest, keep the others, the farther the deeper.
-            float starts[WIDE_CHILDREN];
-            vstore8(enter, 0, starts);
-            float start = starts[child];
-            const uint base = top;
-            do {
-                child = wide_lowest(bits);
-                bits &= bits - 1;
-                struct wide_entry entry;
-                entry.word = children[child];
-                entry.enter = starts[child];
-                if (entry.enter < start) {
-                    const struct wide_entry other = {node, start};
-                    node = entry.word;
-                    start = entry.enter;
-                    entry = other;
-                }
-                uint place = top++;
-                for (; place > base && stack[place - 1].enter < entry.enter; place--)
-                    stack[place] = stack[place - 1];
-                stack[place] = entry;
-            } while (bits != 0);
+            node = wide_descend(stack, &top, children, bits, enter);
         }
 
         if (wide_leaf(&hit, scene, node, org, dir, tmin, any_hit, passage, mode))
-            return wide_name(hit, scene);
+            return traced_name(hit, scene);
     next:
         // Go on with what is kept, but for what lies beyond the hit.
         do {
             if (top == 0)
-                return wide_name(hit, scene);
+                return traced_name(hit, scene);
             top--;
         } while (!any_hit && stack[top].enter >= hit.t);
         node = stack[top].word;

@@ -65,6 +65,7 @@ SHARED_SIZE(texture_slot, 48);
 #define MATERIAL_TRANSMITS           256u  // thin: some light goes through, unscattered if smooth
 #define MATERIAL_COAT_NORMAL_MAP     512u  // TEXTURE_COAT_NORMAL bends the clearcoat's normal
 #define MATERIAL_SHEEN               1024u // has a sheen; MATERIAL_LAYERED, too
+#define MATERIAL_LAMBERT             2048u // specular lobe of strength 0, whatever its textures say
 
 // Roughness squared up to which a surface is smooth: below it GGX's D leaves float's range at
 // grazing views.

@@ -9,6 +9,8 @@
 
 #define HIT_NONE 0xffffffffu // hit.triangle of a ray that left the scene
 
+#define RAY_PACKET 16u // camera rays that CPUs trace together
+
 // One ray, world space. Two rows, so a kernel reads it in two loads. A ray with a span meets what
 // lies between w and w. Those of paths meet what lies ahead, and carry there what is the path's:
 //   org.w  bits of the geometric normal where it starts, viewer's side, oct_pack(); from material

@@ -238,6 +238,7 @@ static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
         out->normal_maps |= (flags & (MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP)) != 0;
         out->layers |= (flags & MATERIAL_LAYERED) != 0;
         out->sheen |= (flags & MATERIAL_SHEEN) != 0;
+        out->glossy |= (flags & (MATERIAL_LAMBERT | MATERIAL_LAYERED)) != MATERIAL_LAMBERT;
     }
     return status;
 }

@@ -58,6 +58,7 @@ struct device_scene {
     bool normal_maps;       // some material has one
     bool layers;            // some material has some of lib/layers.h
     bool sheen;             // some material has a sheen
+    bool glossy;            // some material has more than a Lambert term
 };
 
 /** What upload() will take on the device, images apart. */

@@ -128,14 +128,17 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
         .scene = scene,
         .wavefront = wavefront,
         .batch = *batch,
+        .coherent = true, // camera rays
     };
 
     // After the last shaded hit a path may go on once more, to collect what a glossy surface
     // mirrors.
-    const uint32_t bounces = scene->emitter_count > 0 ? depth + 1 : depth;
+    const uint32_t bounces = scene->emitter_count > 0 && scene->glossy ? depth + 1 : depth;
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
-    for (; context.bounce < bounces && status == STATUS_OK; context.bounce++)
+    for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
         status = enqueue_bounce(pipeline, &context, depth, bounces);
+        context.coherent = false;
+    }
     return status;
 }
 

@@ -27,6 +27,18 @@ struct program_options stage_shadow_options(const struct program_options *option
     return own;
 }
 
+size_t stage_shade_items(const struct stage_context *context, const struct kernel *kernel)
+{
+    return context->gpu->info.is_cpu ? stage_loop_items(context, kernel) : context->batch.count;
+}
+
+size_t stage_light_items(const struct stage_context *context, const struct kernel *kernel)
+{
+    if (!kernel->persistent && context->gpu->info.is_cpu)
+        return (context->batch.count + PATH_LANES - 1) / PATH_LANES;
+    return stage_trace_items(context, kernel);
+}
+
 size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel)
 {
     if (!kernel->persistent)

@@ -23,6 +23,7 @@ struct stage_context {
     const struct wavefront *wavefront;
     struct batch batch;
     uint32_t bounce;
+    bool coherent; // neighbours in the queue have rays that run alike
 };
 
 /** The arguments that every kernel that traces takes first: TRACED_PARAMETERS of cl/lib/traverse.h.
@@ -45,8 +46,14 @@ size_t stage_loop_items(const struct stage_context *context, const struct kernel
  */
 struct program_options stage_shadow_options(const struct program_options *options);
 
+/** Work items of a kernel that shades: on CPUs it loops over lanes (cl/lib/shade_lanes.h). */
+size_t stage_shade_items(const struct stage_context *context, const struct kernel *kernel);
+
 /** Work items of a kernel that traces. */
 size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel);
+
+/** Work items of a kernel that draws shadow rays and traces them: on CPUs, one for all lanes. */
+size_t stage_light_items(const struct stage_context *context, const struct kernel *kernel);
 
 struct raygen {
     struct kernel kernel;
@@ -59,7 +66,8 @@ void raygen_free(struct raygen *raygen);
 
 struct trace {
     struct kernel kernel;
-    bool tints; // the variant that writes paths
+    struct kernel packets; // for rays that run alike; empty where there is none
+    bool tints;            // the variant that writes paths
 };
 
 enum status trace_build(struct trace *out, const struct gpu *gpu,

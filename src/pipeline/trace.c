@@ -1,10 +1,24 @@
+#include <string.h>
+
 #include "pipeline/stages.h"
+#include "shared/ray.h"
 
 enum status trace_build(struct trace *out, const struct gpu *gpu,
                         const struct program_options *options, uint32_t *built)
 {
+    struct program program = {0};
     out->tints = options->alpha && options->layers;
-    return kernel_build(&out->kernel, gpu, "trace", options, built);
+    enum status status = program_build(&program, gpu, "trace", options);
+    if (status != STATUS_OK)
+        return status;
+    *built += program.from_source;
+    status = kernel_create(&out->kernel, gpu, &program, "trace");
+    if (status == STATUS_OK && gpu->info.is_cpu && options->bvh_wide && !options->any_hit)
+        status = kernel_create(&out->packets, gpu, &program, "trace_packets");
+    out->kernel.persistent = options->persistent;
+    memcpy(out->packets.name, out->kernel.name, sizeof(out->packets.name)); // one row of a profile
+    program_free(&program);
+    return status;
 }
 
 enum status trace_enqueue(const struct trace *trace, const struct stage_context *context)
@@ -17,11 +31,15 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
         ARG_BUFFER(&w->paths),
     };
     const size_t count = sizeof(args) / sizeof(args[0]) - (trace->tints ? 0 : 1);
+    if (context->coherent && trace->packets.handle != NULL)
+        return kernel_enqueue(context->gpu, &trace->packets, args, count,
+                              (context->batch.count + RAY_PACKET - 1) / RAY_PACKET);
     return kernel_enqueue(context->gpu, &trace->kernel, args, count,
                           stage_trace_items(context, &trace->kernel));
 }
 
 void trace_free(struct trace *trace)
 {
+    kernel_free(&trace->packets);
     kernel_free(&trace->kernel);
 }

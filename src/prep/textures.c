@@ -92,6 +92,15 @@ static uint layer_flags(const struct scene_material *material)
            (scene_material_transmits(material) ? MATERIAL_TRANSMITS : 0u);
 }
 
+// Whether the factors leave nothing but the Lambert term.
+static bool is_lambert(const struct scene_material *material)
+{
+    const float *color = material->specular_color;
+    if (material->specular_glossiness)
+        return color[0] == 0.0f && color[1] == 0.0f && color[2] == 0.0f;
+    return material->specular_strength == 0.0f && material->metallic == 0.0f;
+}
+
 static void pack_material(struct material *out, const struct scene *scene,
                           const struct scene_material *material, const uint64_t *first)
 {
@@ -115,6 +124,7 @@ static void pack_material(struct material *out, const struct scene *scene,
                  (material->blended ? MATERIAL_BLENDED : 0u) |
                  (material->double_sided ? MATERIAL_EMITS_BACK : 0u) |
                  (material->unlit ? MATERIAL_UNLIT : 0u) | layer_flags(material) |
+                 (is_lambert(material) ? MATERIAL_LAMBERT : 0u) |
                  (material->normal_texture.texture != SCENE_NONE ? MATERIAL_NORMAL_MAP : 0u),
         .normal_scale = material->normal_scale,
         .transmission = material->transmission,

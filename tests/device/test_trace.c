@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include <stdio.h>
+#include <string.h>
 
 #include "trace_fixture.h"
 
@@ -41,6 +42,23 @@ struct job {
     bool *absent; // [triangle_count] cut out by alpha
 };
 
+static uint32_t octant(const struct ray *ray)
+{
+    return (ray->dir.x < 0.0f) + 2u * (ray->dir.y < 0.0f) + 4u * (ray->dir.z < 0.0f);
+}
+
+// Puts rays into one octant next to each other: packets trace those together.
+static void gather_octants(uint32_t *queue, const struct ray *rays)
+{
+    uint32_t sorted[RAYS];
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < 8; k++)
+        for (uint32_t i = 0; i < RAYS; i++)
+            if (octant(&rays[queue[i]]) == k)
+                sorted[count++] = queue[i];
+    memcpy(queue, sorted, sizeof(sorted));
+}
+
 static void make_job(struct job *out, const struct trace_scene *scene, double reach, bool masks)
 {
     const struct geometry *geometry = &scene->geometry;
@@ -48,6 +66,7 @@ static void make_job(struct job *out, const struct trace_scene *scene, double re
     uint32_t open = 0;
     make_rays(out->rays, RAYS, geometry, reach, 12);
     make_queue(out->queue, RAYS, RAYS, &seed);
+    gather_octants(out->queue, out->rays);
     out->absent = calloc(geometry->triangle_count + 1, sizeof(*out->absent));
     for (uint32_t i = 0; i < geometry->triangle_count; i++)
         out->absent[i] = masks && geometry->triangles[i].material == CUT_OUT;
@@ -174,6 +193,39 @@ static void cut_out_triangles_let_rays_by(void **state)
     check_scene(geometry, 3.0, 0.0f);
 }
 
+// The bits of a hit do not depend on the rays beside it, not even where two triangles are met at
+// one distance: all of them are there twice.
+static void neighbours_in_a_packet_do_not_matter(void **state)
+{
+    device_of(state);
+    struct trace_scene *scene = calloc(1, sizeof(*scene));
+    struct job *job = calloc(1, sizeof(*job));
+    struct hit hits[2][RAYS];
+    struct geometry geometry = make_soup(9, SOUP, 1.0, 1.0);
+    for (uint32_t i = 0; i + 1 < SOUP; i += 2) {
+        geometry.triangles[i + 1] = geometry.triangles[i];
+        geometry.triangles[i].material = geometry.triangles[i + 1].material = SOLID;
+    }
+    make_scene(scene, &fixture, geometry, 0.0f);
+    make_job(job, scene, 3.0, false);
+    for (uint32_t v = 0; v < fixture.variant_count; v++) {
+        if (!fixture.variants[v].packets)
+            continue;
+        uint64_t seed = 1;
+        uint32_t queue[RAYS];
+        run_variant(hits[0], &fixture, &fixture.variants[v], scene, job->rays, job->queue, RAYS);
+        for (int k = 0; k < 4; k++) {
+            make_queue(queue, RAYS, RAYS, &seed);
+            run_variant(hits[1], &fixture, &fixture.variants[v], scene, job->rays, queue, RAYS);
+            assert_memory_equal(hits[0], hits[1], sizeof(hits[0]));
+        }
+    }
+    free(job->absent);
+    free(job);
+    release_scene(scene, &fixture);
+    free(scene);
+}
+
 // Splitting changes what is visited, not what is hit.
 static void splitting_changes_no_hit(void **state)
 {
@@ -274,6 +326,7 @@ int main(void)
         cmocka_unit_test(trace_agrees_far_from_the_origin),
         cmocka_unit_test(trace_agrees_on_split_triangles),
         cmocka_unit_test(cut_out_triangles_let_rays_by),
+        cmocka_unit_test(neighbours_in_a_packet_do_not_matter),
         cmocka_unit_test(splitting_changes_no_hit),
         cmocka_unit_test(a_blended_triangle_meets_its_share_of_rays),
         cmocka_unit_test(every_queued_ray_is_traced_and_no_other),

@@ -17,7 +17,7 @@
 #include "trace_oracle.h"
 #include "trace_rays.h"
 
-#define VARIANT_COUNT 26
+#define VARIANT_COUNT 29
 #define BLENDED_ALPHA 0.4
 #define RAYS          2100u
 #define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
@@ -42,6 +42,7 @@ struct variant {
     enum tree tree;
     struct program_options options;
     const char *source; // in tests/device/ or, if NULL, cl/trace.cl
+    bool packets;       // of neighbours in the queue, on CPUs
     struct trace trace;
 };
 
@@ -67,6 +68,12 @@ static const struct variant all_variants[VARIANT_COUNT] = {
     {.tree = TREE_QUAD_SPLIT, .options = {.bvh_quad = true, .warp_votes = true}},
     {.tree = TREE_QUAD,
      .options = {.bvh_quad = true, .warp_votes = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_WIDE, .options = {.bvh_wide = true}, .packets = true},
+    {.tree = TREE_WIDE_SPLIT, .options = {.bvh_wide = true, .alpha = true}, .packets = true},
+    {.tree = TREE_WIDE,
+     .options = {.bvh_wide = true, .alpha = true},
+     .source = "trace_portable",
+     .packets = true},
     {.tree = TREE_BINARY, .options = {.warp_votes = true}},
     {.tree = TREE_SPLIT, .options = {.warp_votes = true, .alpha = true}},
     {.tree = TREE_SPLIT, .options = {.warp_votes = true, .persistent = true}},
@@ -116,6 +123,8 @@ static inline void build_variant(struct variant *variant, struct gpu *gpu)
     struct program program = device_program(gpu, variant->source, &variant->options);
     assert_ok(kernel_create(&variant->trace.kernel, gpu, &program, "trace"));
     variant->trace.kernel.persistent = variant->options.persistent;
+    if (variant->packets)
+        assert_ok(kernel_create(&variant->trace.packets, gpu, &program, "trace_packets"));
     program_free(&program);
 }
 
@@ -125,7 +134,8 @@ static inline struct fixture make_fixture(struct gpu *gpu)
     const bool votes = program_takes_votes(gpu);
     for (int i = 0; i < VARIANT_COUNT; i++) {
         const struct program_options *options = &all_variants[i].options;
-        if ((options->nodes_image && !gpu->info.has_images) || (options->warp_votes && !votes))
+        if ((options->nodes_image && !gpu->info.has_images) || (options->warp_votes && !votes) ||
+            (all_variants[i].packets && !gpu->info.is_cpu))
             continue;
         struct variant *variant = &f.variants[f.variant_count++];
         *variant = all_variants[i];
@@ -242,6 +252,7 @@ static inline void run_variant(struct hit *hits, const struct fixture *f,
         .wavefront = w,
         .batch = {.count = RAYS, .pixel_count = RAYS},
         .bounce = 1,
+        .coherent = variant->packets,
     };
     assert_ok(trace_enqueue(&variant->trace, &context));
     assert_ok(buffer_read(f->gpu, &w->hits, hits, RAYS * sizeof(*hits)));

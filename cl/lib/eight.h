@@ -1,0 +1,48 @@
+/**
+ * @file
+ * What CPUs do with eight numbers at once, and OpenCL C has no word for.
+ */
+#ifndef LIB_EIGHT_H
+#define LIB_EIGHT_H
+
+#include "shared/base.h"
+
+#ifndef WIDE_PORTABLE
+#define WIDE_PORTABLE 0 // 1: without x86's instructions for masks, as on other CPUs
+#endif
+
+// Plain comparisons: fmin and fmax would carry NaNs.
+static inline float8 min8(const float8 a, const float8 b)
+{
+    return a < b ? a : b;
+}
+
+static inline float8 max8(const float8 a, const float8 b)
+{
+    return a > b ? a : b;
+}
+
+// Bit k is set where lane k is true.
+static inline uint lanes_bits(const int8 lanes)
+{
+#if !WIDE_PORTABLE && defined(__AVX__)
+    return (uint)__builtin_ia32_movmskps256(as_float8(lanes));
+#else
+    const int8 bits = lanes & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+    const int4 four = bits.lo | bits.hi;
+    const int2 two = four.lo | four.hi;
+    return (uint)(two.x | two.y);
+#endif
+}
+
+// The lowest bit that is set; some is.
+static inline uint lanes_lowest(const uint bits)
+{
+#if !WIDE_PORTABLE && defined(__clang__)
+    return (uint)__builtin_ctz(bits);
+#else
+    return 31u - clz(bits & (0u - bits));
+#endif
+}
+
+#endif
