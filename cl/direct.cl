@@ -4,15 +4,23 @@
 //   out   paths[slot].radiance
 //   next  directional
 //
-// Variants: those of trace; LIGHT_SAMPLER (lib/light_sampler.h).
+// Variants: those of trace; LIGHT_SAMPLER (lib/light_sampler.h). With SHADE_LANES
+// (lib/shade_lanes.h) shadow rays of eight hits are drawn side by side where nothing but the
+// Lambert term is left.
 
 #include "lib/bsdf.h"
 #include "lib/light_sampler.h"
 #include "lib/queue.h"
 #include "lib/samples.h"
+#include "lib/shadow_lanes.h"
 #include "lib/traverse.h"
+#if SHADE_LANES
+#include "lib/light_lanes.h"
+#endif
 
 #define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
+
+#if !SHADE_LANES
 
 // The numbers of a round of choosing lights. Rounds that draw from all lights share one sequence;
 // where there is one to each light, each has its own.
@@ -45,6 +53,121 @@ static inline uint4 light_place_numbers(__constant struct settings *settings,
 
 #endif
 
+#endif
+
+// Draws a point on a chosen light, and weighs what comes from there.
+//
+//   expected  times the hit takes this light, on average
+//   alone     no bounce could find it as well
+//   u0, u1    uniform numbers
+static inline struct shadow direct_weigh(__global const struct light *lights,
+                                         __global const struct light_shape *shapes,
+                                         const struct surface *surface, const uint light,
+                                         float expected, const struct bsdf *b, const float3 p,
+                                         const bool alone, const float u0, const float u1)
+{
+    struct shadow out;
+    out.value = (float3)(0.0f);
+    const struct light_sample sampled = light_sample(lights, shapes, light, surface, p, u0, u1);
+    if (max3(sampled.radiance) <= 0.0f)
+        return out;
+    float density = 0.0f; // with which a bounce finds this direction
+    float3 value = bsdf_eval(&density, b, sampled.dir) * sampled.radiance;
+    if (max3(value) <= 0.0f)
+        return out;
+    if (sampled.density > 0.0f) {
+        expected *= sampled.density;
+        if (!alone && sampled.is_hittable)
+            value *= mis_weight(expected, density);
+    }
+    out.dir = sampled.dir;
+    out.reach = sampled.distance * SHADOW_REACH;
+    out.value = value / expected;
+    return out;
+}
+
+#if SHADE_LANES
+
+// What eight hits choose lights by, and what they have chosen.
+struct direct_lanes {
+    float p[3][LANES], normal[3][LANES];
+    struct light_choice choices[LANES];
+    uint light[LANES];
+    float expected[LANES]; // times a hit takes its light, on average
+};
+
+// Lets those hits that have a bit choose lights.
+static inline void direct_lanes_begin(struct direct_lanes *d, __constant struct settings *settings,
+                                      __global const float4 *light_nodes,
+                                      const struct lambert_lanes *b, uint bits, const uint round,
+                                      const uint8 numbers)
+{
+    uint number[LANES];
+    vstore8(numbers, 0, number);
+    vstore8(b->org.x, 0, d->p[0]);
+    vstore8(b->org.y, 0, d->p[1]);
+    vstore8(b->org.z, 0, d->p[2]);
+    vstore8(b->normal.x, 0, d->normal[0]);
+    vstore8(b->normal.y, 0, d->normal[1]);
+    vstore8(b->normal.z, 0, d->normal[2]);
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        light_choice_begin(
+            &d->choices[k], settings, light_nodes, (float3)(d->p[0][k], d->p[1][k], d->p[2][k]),
+            (float3)(d->normal[0][k], d->normal[1][k], d->normal[2][k]), round, number[k]);
+    }
+}
+
+// Takes the next light of those hits that have a bit. Returns bits of those that had one; the
+// others take part with the first light.
+static inline uint direct_lanes_next(struct direct_lanes *d, __constant struct settings *settings,
+                                     __global const float4 *light_nodes, uint bits)
+{
+    uint drawn = 0;
+    vstore8((uint8)(0u), 0, d->light);
+    vstore8((float8)(1.0f), 0, d->expected);
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        float expected;
+        const uint light =
+            light_choice_next(&expected, &d->choices[k], settings, light_nodes,
+                              (float3)(d->p[0][k], d->p[1][k], d->p[2][k]),
+                              (float3)(d->normal[0][k], d->normal[1][k], d->normal[2][k]));
+        if (light != EMITTER_NONE) {
+            d->light[k] = light;
+            d->expected[k] = expected;
+            drawn |= 1u << k;
+        }
+    }
+    return drawn;
+}
+
+// As direct_weigh(), for those hits that have a bit: all are Lambert. Returns bits of the rays that
+// are needed.
+static inline uint direct_weigh_lanes(struct shadow_lanes *out, const struct direct_lanes *d,
+                                      __global const struct light *lights,
+                                      __global const struct light_shape *shapes,
+                                      const struct surface *surface, const uint bits,
+                                      const struct lambert_lanes *b, const float8 u0,
+                                      const float8 u1)
+{
+    const struct light_lanes sampled =
+        light_lanes_sample(lights, shapes, d->light, bits, surface, b->org, u0, u1);
+    const float8 cosine = lanes3_dot(b->normal, sampled.dir);
+    const float8 density = cosine * INV_PI; // with which a bounce finds this direction
+    struct lanes3 value = lanes3_mul(lanes3_scale(b->diffuse, density), sampled.radiance);
+    const int8 needed = (cosine > 0.0f) & (lanes3_dot(b->geometric, sampled.dir) > 0.0f) &
+                        (lanes3_max(value) > 0.0f) & lanes_mask(bits);
+    const float8 expected = vload8(0, d->expected);
+    const float8 times = sampled.density > 0.0f ? expected * sampled.density : expected;
+    const float8 shared = lanes_mis_weight(times, density) / times;
+    value = lanes3_scale(value, sampled.is_hittable & ~b->alone ? shared : 1.0f / times);
+    shadow_lanes_set(out, sampled.dir, sampled.distance * SHADOW_REACH, value, needed);
+    return lanes_bits(needed);
+}
+
+#endif
+
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     TRACED_PARAMETERS, __constant struct settings *settings, const struct batch batch,
     const uint bounce, __global const struct light *restrict lights,
@@ -59,17 +182,75 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
     QUEUE_LOCAL(run);
+#if SHADE_LANES
+    SHADOW_LANES_LOOP(&counters[bounce].direct_head, count)
+    {
+        struct shadow_lanes_hits hits;
+        if (!shadow_lanes_load(&hits, queue, i * LANES, count, rays, paths, shades))
+            continue;
+        const struct lanes_place place = lanes_place(batch, places, vload8(0, hits.slots));
+        struct lanes3 sum = {0.0f, 0.0f, 0.0f}; // over the shadow rays
+        for (uint round = 0; round < round_count; round++) {
+            // Choose lights.
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_ALL
+            const uint8 number = place.sample;
+            const uint8 index = (uint8)(round);
+#else
+            const uint8 number = place.sample * settings->shadow_rays + round;
+            const uint8 index = (uint8)(0u);
+#endif
+            struct lanes_numbers numbers =
+                lanes_draw(settings, points, place.pixel, number, bounce, RNG_USE_LIGHT, index);
+            struct direct_lanes d;
+            uint left = hits.lambert | hits.others; // that have a light left
+            direct_lanes_begin(&d, settings, light_nodes, &hits.b, left, round, numbers.x);
+            for (;;) {
+                left = direct_lanes_next(&d, settings, light_nodes, left);
+                if (left == 0)
+                    break;
+
+                    // Draw points on them, and weigh what comes from there.
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+                numbers = lanes_draw(settings, points, place.pixel, number, bounce, RNG_USE_LIGHT,
+                                     vload8(0, d.light) + 1u);
+#endif
+                const float8 u0 = lanes_unit(numbers.y);
+                const float8 u1 = lanes_unit(numbers.z);
+                struct shadow_lanes shadows;
+                uint open = direct_weigh_lanes(&shadows, &d, lights, shapes, &scene.surface,
+                                               left & hits.lambert, &hits.b, u0, u1);
+                float s[LANES], t[LANES];
+                vstore8(u0, 0, s);
+                vstore8(u1, 0, t);
+                for (uint rest = left & hits.others; rest != 0; rest &= rest - 1) {
+                    const uint k = lanes_lowest(rest);
+                    const uint slot = hits.slots[k];
+                    const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
+                    const struct shadow shadow =
+                        direct_weigh(lights, shapes, &scene.surface, d.light[k], d.expected[k], &b,
+                                     rays[slot].org.xyz, path_is_alone(&paths[slot]), s[k], t[k]);
+                    open |= shadow_lanes_set_one(&shadows, k, &shadow);
+                }
+
+                // Ask whether the ways are free.
+                traced += popcount(open);
+                sum = lanes3_add(
+                    sum, shadow_lanes_trace(&shadows, nodes, &scene, hits.slots, open, rays));
+            }
+        }
+        shadow_lanes_add(&hits, sum, paths);
+    }
+#else
     for (uint i = queue_first(&counters[bounce].direct_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].direct_head, run)) {
         if (i >= count)
             continue;
         const uint slot = queue[i];
-        const uint bits = as_uint(paths[slot].throughput_bits.w);
-        if (!(bits & PATH_SHADED))
+        if (!(as_uint(paths[slot].throughput_bits.w) & PATH_SHADED))
             continue;
         const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
         const float3 p = rays[slot].org.xyz;
-        const bool alone = (bits & PATH_NO_BOUNCE) != 0;
+        const bool alone = path_is_alone(&paths[slot]);
         const struct path_place place = samples_place(batch, places, slot);
 
         float3 sum = (float3)(0.0f); // over the shadow rays
@@ -85,34 +266,22 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
                 if (light == EMITTER_NONE)
                     break;
 
-                    // Draw a point on it, and weigh what comes from there.
+                    // Draw a point on it, and ask whether the way is free.
 #if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
                 numbers = light_place_numbers(settings, points, place, bounce, round, light);
 #endif
-                const struct light_sample sampled =
-                    light_sample(lights, shapes, light, &scene.surface, p, rng_unit(numbers.y),
-                                 rng_unit(numbers.z));
-                if (max3(sampled.radiance) <= 0.0f)
-                    continue;
-                float density = 0.0f; // with which a bounce finds this direction
-                float3 value = bsdf_eval(&density, &b, sampled.dir) * sampled.radiance;
-                if (max3(value) <= 0.0f)
-                    continue;
-                if (sampled.density > 0.0f) {
-                    expected *= sampled.density;
-                    if (!alone && sampled.is_hittable)
-                        value *= mis_weight(expected, density);
+                const struct shadow shadow =
+                    direct_weigh(lights, shapes, &scene.surface, light, expected, &b, p, alone,
+                                 rng_unit(numbers.y), rng_unit(numbers.z));
+                if (shadow_is_needed(&shadow)) {
+                    traced++;
+                    sum += shadow_trace(nodes, &scene, p, &shadow);
                 }
-
-                // Ask whether the way is free.
-                traced++;
-                sum +=
-                    value / expected *
-                    traverse_light(nodes, &scene, p, sampled.dir, sampled.distance * SHADOW_REACH);
             }
         }
         paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
     }
+#endif
     if (traced != 0)
         atomic_add(&counters[bounce].shadow_rays, traced);
 }

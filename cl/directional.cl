@@ -5,93 +5,182 @@
 //   out   paths[slot].radiance
 //   next  scatter
 //
-// Variants: those of trace; ENV_MAP: there is an environment.
+// Variants: those of trace; ENV_MAP: there is an environment. With SHADE_LANES (lib/shade_lanes.h)
+// shadow rays of eight hits are drawn side by side where nothing but the Lambert term is left.
 
 #include "lib/bsdf.h"
 #include "lib/environment.h"
 #include "lib/queue.h"
 #include "lib/samples.h"
+#include "lib/shadow_lanes.h"
 #include "lib/traverse.h"
 #include "shared/light.h"
 #include "shared/settings.h"
 
+// What shadow rays are drawn from: the directional lights, and after them the environment.
 #if ENV_MAP
+#define DIRECTIONAL_PARAMETERS                                                                     \
+    __constant struct settings *settings, const uint bounce,                                       \
+        __global const struct directional_light *restrict lights, const struct batch batch,        \
+        const struct environment_map map, __global const float4 *restrict map_texels,              \
+        __global const struct environment_alias *restrict map_alias,                               \
+        __global const uint4 *restrict points, __global const uint *restrict places
+#define DIRECTIONAL_ARGUMENTS                                                                      \
+    settings, bounce, lights, batch, map, map_texels, map_alias, points, places
+#define DIRECTIONAL_COUNT(settings) ((settings)->directional_count + 1)
+#else
+#define DIRECTIONAL_PARAMETERS                                                                     \
+    __constant struct settings *settings, const uint bounce,                                       \
+        __global const struct directional_light *restrict lights
+#define DIRECTIONAL_ARGUMENTS       settings, bounce, lights
+#define DIRECTIONAL_COUNT(settings) ((settings)->directional_count)
+#endif
 
-// What one sample of the environment sends to a hit, times f cos over density; 0 where nothing.
+// Draws shadow ray k of the hit in a slot.
 //
-//   dir    out: where from
-//   alone  no bounce could find it as well
-static inline float3 directional_draw(float3 *dir, const struct bsdf *b,
-                                      const struct environment_map map,
-                                      __global const float4 *restrict texels,
-                                      __global const struct environment_alias *restrict alias,
-                                      const bool alone, const uint4 bits)
+//   alone  no bounce could find the environment as well
+static inline struct shadow directional_draw(DIRECTIONAL_PARAMETERS, const uint k, const uint slot,
+                                             const struct bsdf *b, const bool alone)
 {
-    const struct environment_sample sampled = environment_draw(map, texels, alias, bits);
-    float density; // with which a bounce finds this direction
-    *dir = sampled.dir;
-    const float3 value = bsdf_eval(&density, b, sampled.dir) * sampled.radiance;
-    if (max3(value) <= 0.0f || sampled.density <= 0.0f)
-        return (float3)(0.0f);
-    return value * ((alone ? 1.0f : mis_weight(sampled.density, density)) / sampled.density);
+    struct shadow out;
+    float density; // with which a bounce finds this direction: no light without extent
+    out.reach = FLT_MAX;
+#if ENV_MAP
+    if (k == settings->directional_count) {
+        const struct path_place place = samples_place(batch, places, slot);
+        const uint4 numbers = samples_draw(settings, points, place.pixel, place.sample, bounce,
+                                           RNG_USE_ENVIRONMENT, 0);
+        const struct environment_sample sampled =
+            environment_draw(map, map_texels, map_alias, numbers);
+        out.dir = sampled.dir;
+        out.value = bsdf_eval(&density, b, sampled.dir) * sampled.radiance;
+        out.value = sampled.density > 0.0f
+                        ? out.value * ((alone ? 1.0f : mis_weight(sampled.density, density)) /
+                                       sampled.density)
+                        : (float3)(0.0f);
+        return out;
+    }
+#endif
+    out.dir = -lights[k].dir.xyz;
+    out.value = bsdf_eval(&density, b, out.dir) * lights[k].color.xyz;
+    return out;
+}
+
+#if SHADE_LANES
+
+// As directional_draw(), for those of eight slots that have a bit: all are Lambert. Returns bits of
+// the rays that are needed.
+static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_lanes *out,
+                                          const uint k, const uint *slots, const uint bits,
+                                          const struct lambert_lanes *b)
+{
+    float8 weight = (float8)(1.0f);
+    struct lanes3 dir, radiance;
+    float8 cosine;
+#if ENV_MAP
+    if (k == settings->directional_count) {
+        const struct lanes_place place = lanes_place(batch, places, vload8(0, slots));
+        const struct lanes_numbers numbers = lanes_draw(settings, points, place.pixel, place.sample,
+                                                        bounce, RNG_USE_ENVIRONMENT, (uint8)(0u));
+        uint n[4][LANES];
+        float x[LANES], y[LANES], z[LANES], r[LANES], g[LANES], blue[LANES], density[LANES];
+        vstore8(numbers.x, 0, n[0]);
+        vstore8(numbers.y, 0, n[1]);
+        vstore8(numbers.z, 0, n[2]);
+        vstore8(numbers.w, 0, n[3]);
+        for (uint lane = 0; lane < LANES; lane++) {
+            const struct environment_sample sampled =
+                environment_draw(map, map_texels, map_alias,
+                                 (uint4)(n[0][lane], n[1][lane], n[2][lane], n[3][lane]));
+            x[lane] = sampled.dir.x;
+            y[lane] = sampled.dir.y;
+            z[lane] = sampled.dir.z;
+            r[lane] = sampled.radiance.x;
+            g[lane] = sampled.radiance.y;
+            blue[lane] = sampled.radiance.z;
+            density[lane] = sampled.density;
+        }
+        dir = lanes3_make(vload8(0, x), vload8(0, y), vload8(0, z));
+        radiance = lanes3_make(vload8(0, r), vload8(0, g), vload8(0, blue));
+        cosine = lanes3_dot(b->normal, dir);
+        const float8 drawn = vload8(0, density);
+        weight = (b->alone ? (float8)(1.0f) : lanes_mis_weight(drawn, cosine * INV_PI)) / drawn;
+        weight = drawn > 0.0f ? weight : (float8)(0.0f);
+    } else
+#endif
+    {
+        const float4 away = -lights[k].dir;
+        const float4 color = lights[k].color;
+        dir = lanes3_make((float8)(away.x), (float8)(away.y), (float8)(away.z));
+        radiance = lanes3_make((float8)(color.x), (float8)(color.y), (float8)(color.z));
+        cosine = lanes3_dot(b->normal, dir);
+    }
+    const struct lanes3 value =
+        lanes3_mul(lanes3_scale(b->diffuse, cosine * INV_PI * weight), radiance);
+    const int8 needed = (cosine > 0.0f) & (lanes3_dot(b->geometric, dir) > 0.0f) &
+                        (lanes3_max(value) > 0.0f) & lanes_mask(bits);
+    shadow_lanes_set(out, dir, (float8)(FLT_MAX), value, needed);
+    return lanes_bits(needed);
 }
 
 #endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
-    TRACED_PARAMETERS, __constant struct settings *settings, const uint bounce,
-    __global const struct directional_light *restrict lights, __global const uint *restrict queue,
+    TRACED_PARAMETERS, __global const uint *restrict queue,
     __global const struct ray *restrict rays, __global const struct shade *restrict shades,
-    __global struct path *restrict paths, __global struct counters *counters
-#if ENV_MAP
-    ,
-    const struct batch batch, const struct environment_map map,
-    __global const float4 *restrict map_texels,
-    __global const struct environment_alias *restrict map_alias,
-    __global const uint4 *restrict points, __global const uint *restrict places
-#endif
-)
+    __global struct path *restrict paths, __global struct counters *counters,
+    DIRECTIONAL_PARAMETERS)
 {
     TRACED_SCENE(scene);
-    const uint light_count = settings->directional_count;
+    const uint ray_count = DIRECTIONAL_COUNT(settings);
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
     QUEUE_LOCAL(run);
+#if SHADE_LANES
+    SHADOW_LANES_LOOP(&counters[bounce].directional_head, count)
+    {
+        struct shadow_lanes_hits hits;
+        if (!shadow_lanes_load(&hits, queue, i * LANES, count, rays, paths, shades))
+            continue;
+        struct lanes3 sum = {0.0f, 0.0f, 0.0f}; // over the shadow rays
+        for (uint k = 0; k < ray_count; k++) {
+            struct shadow_lanes shadows;
+            uint open = directional_draw_lanes(DIRECTIONAL_ARGUMENTS, &shadows, k, hits.slots,
+                                               hits.lambert, &hits.b);
+            for (uint rest = hits.others; rest != 0; rest &= rest - 1) {
+                const uint slot = hits.slots[lanes_lowest(rest)];
+                const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
+                const struct shadow shadow = directional_draw(DIRECTIONAL_ARGUMENTS, k, slot, &b,
+                                                              path_is_alone(&paths[slot]));
+                open |= shadow_lanes_set_one(&shadows, lanes_lowest(rest), &shadow);
+            }
+            traced += popcount(open);
+            sum = lanes3_add(sum,
+                             shadow_lanes_trace(&shadows, nodes, &scene, hits.slots, open, rays));
+        }
+        shadow_lanes_add(&hits, sum, paths);
+    }
+#else
     for (uint i = queue_first(&counters[bounce].directional_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].directional_head, run)) {
         if (i >= count)
             continue;
         const uint slot = queue[i];
-        const uint bits = as_uint(paths[slot].throughput_bits.w);
-        if (!(bits & PATH_SHADED))
+        if (!(as_uint(paths[slot].throughput_bits.w) & PATH_SHADED))
             continue;
         const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
-        const float3 p = rays[slot].org.xyz;
-
-        float3 sum = (float3)(0.0f); // over the lights
-        for (uint k = 0; k < light_count; k++) {
-            const float3 dir = -lights[k].dir.xyz;
-            float density; // no bounce can meet a light without extent
-            const float3 value = bsdf_eval(&density, &b, dir) * lights[k].color.xyz;
-            if (max3(value) <= 0.0f)
-                continue;
-            traced++;
-            sum += value * traverse_light(nodes, &scene, p, dir, FLT_MAX);
+        float3 sum = (float3)(0.0f); // over the shadow rays
+        for (uint k = 0; k < ray_count; k++) {
+            const struct shadow shadow =
+                directional_draw(DIRECTIONAL_ARGUMENTS, k, slot, &b, path_is_alone(&paths[slot]));
+            if (shadow_is_needed(&shadow)) {
+                traced++;
+                sum += shadow_trace(nodes, &scene, rays[slot].org.xyz, &shadow);
+            }
         }
-#if ENV_MAP
-        const struct path_place place = samples_place(batch, places, slot);
-        const uint4 numbers = samples_draw(settings, points, place.pixel, place.sample, bounce,
-                                           RNG_USE_ENVIRONMENT, 0);
-        float3 dir;
-        const float3 value = directional_draw(&dir, &b, map, map_texels, map_alias,
-                                              (bits & PATH_NO_BOUNCE) != 0, numbers);
-        if (max3(value) > 0.0f) {
-            traced++;
-            sum += value * traverse_light(nodes, &scene, p, dir, FLT_MAX);
-        }
-#endif
         paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
     }
+#endif
     if (traced != 0)
         atomic_add(&counters[bounce].directional_rays, traced);
 }

@@ -7,7 +7,8 @@
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
 // section 3.3), else all hits of the queue at once, with texels from the pool; NORMAL_MAPS; LAYERS
-// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER.
+// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER. With SHADE_LANES and the pool most
+// hits are shaded by eights (lib/material_lanes.h).
 
 #if TEXTURES_BOUND
 #define TEXTURE_IMAGES 1
@@ -16,53 +17,25 @@
 #include "lib/bsdf.h"
 #include "lib/layers.h"
 #include "lib/light_sampler.h"
+#include "lib/material_bsdf.h"
 #include "lib/normal_map.h"
 #include "lib/prefetch.h"
 #include "lib/samples.h"
+#include "lib/shade_lanes.h"
 #include "shared/ray.h"
 
+// Textures that are bound are those of one material; the pool has all, as eight hits side by side
+// need.
+#if SHADE_LANES && !TEXTURES_BOUND
+#define MATERIAL_LANES 1
+#include "lib/material_lanes.h"
+#else
+#define MATERIAL_LANES 0
+#endif
+
 #ifndef WG_MATERIAL
-#define WG_MATERIAL 64 // work items in a group
+#define WG_MATERIAL (MATERIAL_LANES ? 1 : 64) // work items in a group
 #endif
-
-// Reads the two workflows into BSDF parameters.
-static inline void material_bsdf(struct bsdf *b, __global const struct material *material,
-                                 const struct texture_values *values, const float4 color)
-{
-    const float3 base = material->base.xyz * values->base.xyz * color.xyz;
-    const float3 tint = material->specular.xyz;
-    float glossiness;
-    if (material->flags & MATERIAL_SPECULAR_GLOSSINESS) {
-        const float3 specular = tint * values->surface.xyz;
-        glossiness = material->glossiness * values->surface.w;
-        b->diffuse = base * (1.0f - max3(specular));
-        b->f0 = specular;
-        b->f90 = max3(specular) > 0.0f ? 1.0f : 0.0f;
-        b->dielectric_f0 = max3(specular);
-        b->dielectric_f90 = b->f90;
-#if BRDF_PHONG
-        b->diffuse = base;
-#endif
-    } else {
-        const float metallic = material->metallic * values->surface.z;
-        const float strength = material->specular.w * values->specular.w;
-        const float3 dielectric =
-            min(0.04f * tint * values->specular_color.xyz, (float3)(1.0f)) * strength;
-        glossiness = 1.0f - material->roughness * values->surface.y;
-        b->diffuse = base * (1.0f - metallic);
-        b->f0 = mix(dielectric, base, metallic);
-        b->f90 = mix(strength, 1.0f, metallic);
-        b->dielectric_f0 = max3(dielectric);
-        b->dielectric_f90 = strength;
-    }
-
-    b->alpha = bsdf_alpha(1.0f - glossiness);
-    b->mirror = false;
-#if BRDF_PHONG
-    b->mirror = glossiness >= 1.0f;
-    b->f90 = 0.0f;
-#endif
-}
 
 // Makes the BSDF of the first hit that measures irradiance: f = 1 / pi, so that pi times what
 // leaves is E.
@@ -90,11 +63,12 @@ static inline float material_number(__constant struct settings *settings,
 }
 #endif
 
-#if PREFETCHES && !TEXTURES_BOUND
+#if PREFETCHES && MATERIAL_LANES
 
 #define WARM_TEXELS    8u  // hits ahead of the one that is shaded; each step finds in the cache
 #define WARM_VERTICES  16u // what the one before has asked for
 #define WARM_TRIANGLES 24u
+#define WARM_LEAST     4096u // triangles of a scene that does not stay in the cache by itself
 
 // Asks for what later hits of the queue will read: of Sponza's bounces it saves a third of this
 // kernel's time. Where another thread has shaded them, their places hold no triangles any more, and
@@ -178,75 +152,98 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
     const uint first = ranges[material_index];
     const uint end = ranges[material_index + 1];
 #else
+#if !MATERIAL_LANES
     const uint first = 0;
+#endif
     const uint end = counters[bounce].active;
 #endif
-    for (uint i = first + get_global_id(0); i < end; i += get_global_size(0)) {
-#if PREFETCHES && !TEXTURES_BOUND
-        material_warm(i, end, settings->triangle_count, order, hits, triangles, vertices, materials,
-                      texels);
+#if MATERIAL_LANES
+    const struct surface surface = {vertices, colors, triangles, materials, texels};
+    SHADE_LANES_LOOP(place, end)
+    {
+        uint slots[LANES];
+        const uint used = shade_lanes_slots(slots, order, place, end);
+#if PREFETCHES
+        if (settings->triangle_count > WARM_LEAST)
+            for (uint i = place; i < place + LANES; i++)
+                material_warm(i, end, settings->triangle_count, order, hits, triangles, vertices,
+                              materials, texels);
 #endif
+        uint rest =
+            material_lanes(settings, bounce, slots, used, hits, &surface, triangle_emitters, lights,
+                           shapes, light_nodes, light_parents, light_leaves, rays, paths, shades);
+        for (; rest != 0; rest &= rest - 1)
+#else
+    for (uint i = first + get_global_id(0); i < end; i += get_global_size(0))
+#endif
+        {
+#if MATERIAL_LANES
+            const uint slot = slots[lanes_lowest(rest)];
+#else
         const uint slot = order[i];
-        const struct hit hit = hits[slot];
-        if (hit.triangle == HIT_NONE) {
-            paths[slot].throughput_bits.w = as_float(0u);
-            continue;
-        }
-        const struct triangle tri = triangles[hit.triangle];
-        __global const struct material *material = &materials[tri.material];
-        const uint flags = material->flags;
-        const float3 org = rays[slot].org.xyz;
-        const float3 dir = rays[slot].dir.xyz;
-        float3 throughput = paths[slot].throughput_bits.xyz;
-        float3 radiance = paths[slot].radiance_normal.xyz;
-        const uint path_flags = as_uint(paths[slot].throughput_bits.w);
-        const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
+#endif
+            const struct hit hit = hits[slot];
+            if (hit.triangle == HIT_NONE) {
+                paths[slot].throughput_bits.w = as_float(0u);
+                continue;
+            }
+            const struct triangle tri = triangles[hit.triangle];
+            __global const struct material *material = &materials[tri.material];
+            const uint flags = material->flags;
+            const float3 org = rays[slot].org.xyz;
+            const float3 dir = rays[slot].dir.xyz;
+            float3 throughput = paths[slot].throughput_bits.xyz;
+            float3 radiance = paths[slot].radiance_normal.xyz;
+            const uint path_flags = as_uint(paths[slot].throughput_bits.w);
+            const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
 
-        // Find the point, its normals and its texture coordinates.
-        const float4 row0 = vertices[tri.v0].pos_normal;
-        const float4 row1 = vertices[tri.v1].pos_normal;
-        const float4 row2 = vertices[tri.v2].pos_normal;
-        const float3 edge1 = row1.xyz - row0.xyz;
-        const float3 edge2 = row2.xyz - row0.xyz;
-        const float3 p = row0.xyz + hit.u * edge1 + hit.v * edge2;
-        float3 geometric = normalize(cross(edge1, edge2));
-        const bool front = dot(geometric, dir) < 0.0f;
-        const float4 uv = surface_blend(vertices[tri.v0].uv, vertices[tri.v1].uv,
-                                        vertices[tri.v2].uv, hit.u, hit.v);
+            // Find the point, its normals and its texture coordinates.
+            const float4 row0 = vertices[tri.v0].pos_normal;
+            const float4 row1 = vertices[tri.v1].pos_normal;
+            const float4 row2 = vertices[tri.v2].pos_normal;
+            const float3 edge1 = row1.xyz - row0.xyz;
+            const float3 edge2 = row2.xyz - row0.xyz;
+            const float3 p = row0.xyz + hit.u * edge1 + hit.v * edge2;
+            float3 geometric = normalize(cross(edge1, edge2));
+            const bool front = dot(geometric, dir) < 0.0f;
+            const float4 uv = surface_blend(vertices[tri.v0].uv, vertices[tri.v1].uv,
+                                            vertices[tri.v2].uv, hit.u, hit.v);
 
-        // Fetch the colours.
-        struct texture_values values;
+            // Fetch the colours.
+            struct texture_values values;
 #if TEXTURES_BOUND
-        values.base = texture_fetch(base_image, &material->textures[TEXTURE_BASE], uv);
-        values.surface = texture_fetch(surface_image, &material->textures[TEXTURE_SURFACE], uv);
-        values.emissive = texture_fetch(emissive_image, &material->textures[TEXTURE_EMISSIVE], uv);
-        values.specular = texture_fetch(specular_image, &material->textures[TEXTURE_SPECULAR], uv);
-        values.specular_color =
-            texture_fetch(specular_color_image, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+            values.base = texture_fetch(base_image, &material->textures[TEXTURE_BASE], uv);
+            values.surface = texture_fetch(surface_image, &material->textures[TEXTURE_SURFACE], uv);
+            values.emissive =
+                texture_fetch(emissive_image, &material->textures[TEXTURE_EMISSIVE], uv);
+            values.specular =
+                texture_fetch(specular_image, &material->textures[TEXTURE_SPECULAR], uv);
+            values.specular_color = texture_fetch(specular_color_image,
+                                                  &material->textures[TEXTURE_SPECULAR_COLOR], uv);
 #if NORMAL_MAPS
-        values.normal = texture_fetch(normal_image, &material->textures[TEXTURE_NORMAL], uv);
+            values.normal = texture_fetch(normal_image, &material->textures[TEXTURE_NORMAL], uv);
 #endif
 #if LAYERS
-        values.transmission =
-            texture_fetch(transmission_image, &material->textures[TEXTURE_TRANSMISSION], uv);
-        values.diffuse_transmission = texture_fetch(
-            diffuse_transmission_image, &material->textures[TEXTURE_DIFFUSE_TRANSMISSION], uv);
-        values.diffuse_transmission_color =
-            texture_fetch(diffuse_transmission_color_image,
-                          &material->textures[TEXTURE_DIFFUSE_TRANSMISSION_COLOR], uv);
-        values.coat = texture_fetch(coat_image, &material->textures[TEXTURE_COAT], uv);
-        values.coat_roughness =
-            texture_fetch(coat_roughness_image, &material->textures[TEXTURE_COAT_ROUGHNESS], uv);
+            values.transmission =
+                texture_fetch(transmission_image, &material->textures[TEXTURE_TRANSMISSION], uv);
+            values.diffuse_transmission = texture_fetch(
+                diffuse_transmission_image, &material->textures[TEXTURE_DIFFUSE_TRANSMISSION], uv);
+            values.diffuse_transmission_color =
+                texture_fetch(diffuse_transmission_color_image,
+                              &material->textures[TEXTURE_DIFFUSE_TRANSMISSION_COLOR], uv);
+            values.coat = texture_fetch(coat_image, &material->textures[TEXTURE_COAT], uv);
+            values.coat_roughness = texture_fetch(coat_roughness_image,
+                                                  &material->textures[TEXTURE_COAT_ROUGHNESS], uv);
 #if NORMAL_MAPS
-        values.coat_normal =
-            texture_fetch(coat_normal_image, &material->textures[TEXTURE_COAT_NORMAL], uv);
+            values.coat_normal =
+                texture_fetch(coat_normal_image, &material->textures[TEXTURE_COAT_NORMAL], uv);
 #endif
 #endif
 #if SHEEN_LOBE
-        values.sheen_color =
-            texture_fetch(sheen_color_image, &material->textures[TEXTURE_SHEEN_COLOR], uv);
-        values.sheen_roughness =
-            texture_fetch(sheen_roughness_image, &material->textures[TEXTURE_SHEEN_ROUGHNESS], uv);
+            values.sheen_color =
+                texture_fetch(sheen_color_image, &material->textures[TEXTURE_SHEEN_COLOR], uv);
+            values.sheen_roughness = texture_fetch(
+                sheen_roughness_image, &material->textures[TEXTURE_SHEEN_ROUGHNESS], uv);
 #endif
 #else
         values.base = texture_fetch(texels, &material->textures[TEXTURE_BASE], uv);
@@ -262,89 +259,94 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
         layer_fetch(&values, texels, material, uv);
 #endif
 #endif
-        float4 color = (float4)(1.0f);
-        if (flags & MATERIAL_VERTEX_COLOR) {
-            struct surface surface;
-            surface.colors = colors;
-            color = surface_color(&surface, tri, hit.u, hit.v);
-        }
-
-        // Add what the surface emits towards the path.
-        const float3 emission = material->emission.xyz * values.emissive.xyz;
-        if (!measures && (front || (flags & MATERIAL_EMITS_BACK)) && max3(emission) > 0.0f) {
-            float weight = 1.0f;
-            const uint emitter = triangle_emitters[hit.triangle];
-            if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
-                const uint kind = as_uint(lights[emitter].color_kind.w);
-                const float area = shapes[kind >> LIGHT_SHAPE_SHIFT].edge_u.w;
-                const float cosine = fabs(dot(geometric, dir));
-                const float3 before =
-                    normalize(oct_unpack(as_uint(paths[slot].radiance_normal.w)).xyz);
-                const float count = light_expected_count(settings, light_nodes, light_parents,
-                                                         light_leaves, org, before, emitter);
-                weight = mis_weight(rays[slot].dir.w, count * hit.t * hit.t / (area * cosine));
+            float4 color = (float4)(1.0f);
+            if (flags & MATERIAL_VERTEX_COLOR) {
+                struct surface colored;
+                colored.colors = colors;
+                color = surface_color(&colored, tri, hit.u, hit.v);
             }
-            radiance += throughput * emission * weight;
-        }
 
-        // An unlit surface shows its colour and ends the path.
-        const bool unlit = (flags & MATERIAL_UNLIT) && !measures;
-        if (unlit && !(path_flags & PATH_COLLECT))
-            radiance += throughput * material->base.xyz * values.base.xyz * color.xyz;
-
-        if (!unlit && !(path_flags & PATH_COLLECT)) {
-            // Turn the normals to the viewer; a shading normal that looks away is of no use.
-            struct bsdf b;
-            b.view = -dir;
-            const float3 blended =
-                (1.0f - hit.u - hit.v) * normalize(oct_unpack(as_uint(row0.w)).xyz) +
-                hit.u * normalize(oct_unpack(as_uint(row1.w)).xyz) +
-                hit.v * normalize(oct_unpack(as_uint(row2.w)).xyz);
-            float3 normal = dot(blended, blended) > 0.0f ? normalize(blended) : geometric;
-            normal = dot(normal, geometric) < 0.0f ? -normal : normal;
-            geometric = front ? geometric : -geometric;
-            normal = front ? normal : -normal;
-            b.geometric = geometric;
-            b.normal = dot(normal, b.view) > 1e-4f ? normal : geometric;
-#if LAYERS
-            const float3 smooth_normal = b.normal;
-            float3 coat_normal = smooth_normal;
-#if NORMAL_MAPS
-            if (flags & MATERIAL_COAT_NORMAL_MAP)
-                coat_normal =
-                    normal_map_apply(&b, material->coat_normal_scale, values.coat_normal.xyz, front,
-                                     tangents, tri, hit.u, hit.v);
-#endif
-#endif
-#if NORMAL_MAPS
-            if ((flags & MATERIAL_NORMAL_MAP) && !measures)
-                b.normal = normal_map_apply(&b, material->normal_scale, values.normal.xyz, front,
-                                            tangents, tri, hit.u, hit.v);
-#endif
-
-            material_bsdf(&b, material, &values, color);
-            if (luminance(b.f0) > luminance(b.diffuse))
-                b.normal = bsdf_bend_normal(&b);
-            if (measures) {
-                material_measure_irradiance(&b);
-                throughput *= PI;
+            // Add what the surface emits towards the path.
+            const float3 emission = material->emission.xyz * values.emissive.xyz;
+            if (!measures && (front || (flags & MATERIAL_EMITS_BACK)) && max3(emission) > 0.0f) {
+                float weight = 1.0f;
+                const uint emitter = triangle_emitters[hit.triangle];
+                if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
+                    const uint kind = as_uint(lights[emitter].color_kind.w);
+                    const float area = shapes[kind >> LIGHT_SHAPE_SHIFT].edge_u.w;
+                    const float cosine = fabs(dot(geometric, dir));
+                    const float3 before =
+                        normalize(oct_unpack(as_uint(paths[slot].radiance_normal.w)).xyz);
+                    const float count = light_expected_count(settings, light_nodes, light_parents,
+                                                             light_leaves, org, before, emitter);
+                    weight = mis_weight(rays[slot].dir.w, count * hit.t * hit.t / (area * cosine));
+                }
+                radiance += throughput * emission * weight;
             }
+
+            // An unlit surface shows its colour and ends the path.
+            const bool unlit = (flags & MATERIAL_UNLIT) && !measures;
+            if (unlit && !(path_flags & PATH_COLLECT))
+                radiance += throughput * material->base.xyz * values.base.xyz * color.xyz;
+
+            if (!unlit && !(path_flags & PATH_COLLECT)) {
+                // Turn the normals to the viewer; a shading normal that looks away is of no use.
+                struct bsdf b;
+                b.view = -dir;
+                const float3 blended =
+                    (1.0f - hit.u - hit.v) * normalize(oct_unpack(as_uint(row0.w)).xyz) +
+                    hit.u * normalize(oct_unpack(as_uint(row1.w)).xyz) +
+                    hit.v * normalize(oct_unpack(as_uint(row2.w)).xyz);
+                float3 normal = dot(blended, blended) > 0.0f ? normalize(blended) : geometric;
+                normal = dot(normal, geometric) < 0.0f ? -normal : normal;
+                geometric = front ? geometric : -geometric;
+                normal = front ? normal : -normal;
+                b.geometric = geometric;
+                b.normal = dot(normal, b.view) > 1e-4f ? normal : geometric;
 #if LAYERS
-            else if (flags & MATERIAL_LAYERED)
-                throughput *=
-                    layer_choose(&b, material, &values, color, smooth_normal, coat_normal,
-                                 material_number(settings, points, places, batch, slot, bounce));
+                const float3 smooth_normal = b.normal;
+                float3 coat_normal = smooth_normal;
+#if NORMAL_MAPS
+                if (flags & MATERIAL_COAT_NORMAL_MAP)
+                    coat_normal =
+                        normal_map_apply(&b, material->coat_normal_scale, values.coat_normal.xyz,
+                                         front, tangents, tri, hit.u, hit.v);
+#endif
+#endif
+#if NORMAL_MAPS
+                if ((flags & MATERIAL_NORMAL_MAP) && !measures)
+                    b.normal = normal_map_apply(&b, material->normal_scale, values.normal.xyz,
+                                                front, tangents, tri, hit.u, hit.v);
 #endif
 
-            // Past the last shaded hit a ray goes on only to collect emission that light samples
-            // cannot find as well.
-            const bool last = bounce + 1 == settings->depth;
-            const bool bounces = !last || (settings->emitter_count != 0 && !bsdf_is_lambert(&b));
-            bsdf_store(&rays[slot], &paths[slot], &shades[slot], &b, surface_offset(p, b.geometric),
-                       throughput, radiance, PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE));
-        } else {
-            paths[slot].throughput_bits.w = as_float(0u);
-            paths[slot].radiance_normal.xyz = radiance;
+                material_bsdf(&b, material, &values, color);
+                if (luminance(b.f0) > luminance(b.diffuse))
+                    b.normal = bsdf_bend_normal(&b);
+                if (measures) {
+                    material_measure_irradiance(&b);
+                    throughput *= PI;
+                }
+#if LAYERS
+                else if (flags & MATERIAL_LAYERED)
+                    throughput *= layer_choose(
+                        &b, material, &values, color, smooth_normal, coat_normal,
+                        material_number(settings, points, places, batch, slot, bounce));
+#endif
+
+                // Past the last shaded hit a ray goes on only to collect emission that light
+                // samples cannot find as well.
+                const bool last = bounce + 1 == settings->depth;
+                const bool bounces =
+                    !last || (settings->emitter_count != 0 && !bsdf_is_lambert(&b));
+                bsdf_store(&rays[slot], &paths[slot], &shades[slot], &b,
+                           surface_offset(p, b.geometric), throughput, radiance,
+                           PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE));
+            } else {
+                paths[slot].throughput_bits.w = as_float(0u);
+                paths[slot].radiance_normal.xyz = radiance;
+            }
         }
+#if MATERIAL_LANES
     }
+#endif
 }

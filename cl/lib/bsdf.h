@@ -329,6 +329,15 @@ static inline float4 bsdf_unpack_shares(const uint2 packed)
            65535.0f;
 }
 
+// What of a BSDF stands in the bits of its path, path.throughput_bits.w.
+static inline uint bsdf_bits(const struct bsdf *b)
+{
+    return (b->mirror ? PATH_MIRROR : 0u) | (b->alpha < 0.0f ? PATH_SHEEN : 0u) |
+           (uint)(clamp(b->dielectric_f90, 0.0f, 1.0f) * 255.0f + 0.5f) << PATH_F90_SHIFT |
+           (uint)(clamp(bsdf_roughness(b->alpha), 0.0f, 1.0f) * 65535.0f + 0.5f)
+               << PATH_ROUGHNESS_SHIFT;
+}
+
 // Writes a hit for the stages that light it and go on from it.
 //
 //   org         where rays leave it
@@ -337,17 +346,13 @@ static inline float4 bsdf_unpack_shares(const uint2 packed)
 //   flags       PATH_... but for those of the lobes
 static inline void bsdf_store(__global struct ray *ray, __global struct path *path,
                               __global struct shade *shade, const struct bsdf *b, const float3 org,
-                              const float3 throughput, const float3 radiance, uint flags)
+                              const float3 throughput, const float3 radiance, const uint flags)
 {
-    flags |= (b->mirror ? PATH_MIRROR : 0u) | (b->alpha < 0.0f ? PATH_SHEEN : 0u);
-    flags |= (uint)(clamp(b->dielectric_f90, 0.0f, 1.0f) * 255.0f + 0.5f) << PATH_F90_SHIFT;
-    flags |= (uint)(clamp(bsdf_roughness(b->alpha), 0.0f, 1.0f) * 65535.0f + 0.5f)
-             << PATH_ROUGHNESS_SHIFT;
     ray->org = (float4)(org, as_float(oct_pack(b->geometric.x, b->geometric.y, b->geometric.z)));
 #if LAYERS
     ray->dir.xyz = -b->view; // some turn to the other side
 #endif
-    path->throughput_bits = (float4)(throughput, as_float(flags));
+    path->throughput_bits = (float4)(throughput, as_float(flags | bsdf_bits(b)));
     path->radiance_normal =
         (float4)(radiance, as_float(oct_pack(b->normal.x, b->normal.y, b->normal.z)));
     shade->diffuse_f0 = bsdf_pack_shares((float4)(b->diffuse, b->dielectric_f0));

@@ -233,6 +233,14 @@ static inline void light_walk_begin(struct light_walk *walk,
     light_walk_divide(walk, weights, words, count, sum, draws, rng_unit(bits));
 }
 
+// A walk that takes the first light.
+static inline void light_walk_take_first(struct light_walk *walk)
+{
+    walk->count = 1;
+    walk->words[0] = LIGHT_BVH_LEAF;
+    walk->lengths[0] = 1.0f;
+}
+
 // Goes on to the next light.
 //
 //   expected  out: how often walks take it, on average, <= 1

@@ -58,6 +58,10 @@ static inline void light_choice_begin(struct light_choice *choice,
     choice->light = min((uint)(rng_unit(bits) * (float)count), count - 1);
     choice->expected = (float)settings->shadow_rays / (float)count;
 #elif LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+    if (settings->light_count == 1) { // nothing to choose: a quarter of this stage on CPUs
+        light_walk_take_first(&choice->walk);
+        return;
+    }
     light_walk_begin(&choice->walk, (__global const struct light_bvh_node *)nodes, p, normal,
                      LIGHT_WALK_DRAWS, bits);
 #else
@@ -99,6 +103,8 @@ static inline float light_expected_count(__constant struct settings *settings,
 #elif LIGHT_SAMPLER == LIGHT_SAMPLER_UNIFORM
     return (float)settings->shadow_rays / (float)settings->light_count;
 #elif LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+    if (settings->light_count == 1)
+        return (float)settings->shadow_rays;
     const float share = light_bvh_share((__global const struct light_bvh_node *)nodes, parents,
                                         leaves, p, normal, light);
     return (float)settings->shadow_rays * min2(LIGHT_WALK_DRAWS * share, 1.0f);

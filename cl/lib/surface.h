@@ -181,12 +181,16 @@ static inline float surface_number(const uint triangle, const float3 org, const 
     return rng_unit(bits);
 }
 
+// Of the largest coordinate, and m: how far off a surface rays start.
+#define SURFACE_OFFSET       1.9073486e-6f // 2^-19
+#define SURFACE_OFFSET_LEAST 1e-7f         // near the origin
+
 // Where rays that leave a surface start: far enough off it on the side of the normal that the
 // rounding of Woop's test (about 2^-23 of the coordinates) cannot find the surface again.
 static inline float3 surface_offset(const float3 p, const float3 normal)
 {
     const float largest = max2(max2(fabs(p.x), fabs(p.y)), fabs(p.z));
-    return p + normal * (largest * 1.9073486e-6f + 1e-7f); // 2^-19 of it; a floor near the origin
+    return p + normal * (largest * SURFACE_OFFSET + SURFACE_OFFSET_LEAST);
 }
 
 #endif

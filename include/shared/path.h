@@ -71,6 +71,8 @@ struct shade {
 };
 SHARED_SIZE(shade, 16);
 
+#define PATH_LANES 8u // paths that CPUs shade side by side
+
 // One set for each bounce. Stages read their counts here, so the host never waits inside a batch.
 struct counters {
     uint active;           // paths alive at the start of the bounce

@@ -21,10 +21,12 @@ enum rng_use {
     RNG_USE_COUNT = 5
 };
 
+#define RNG_INDEX_MASK 0x1fffffu
+
 // Names one block: 8 bits of depth, 3 of use, 21 of index (where every light is drawn, which).
 static inline uint rng_dimension(uint depth, uint use, uint index)
 {
-    return (depth << 24) | (use << 21) | (index & 0x1fffffu);
+    return (depth << 24) | (use << 21) | (index & RNG_INDEX_MASK);
 }
 
 // The block's place in the table of points (lib/samples.h): those of one index share it.
@@ -39,29 +41,36 @@ static inline uint rng_block_count(uint depth)
     return 1 + depth * (RNG_USE_COUNT - 1);
 }
 
+// pcg4d, in place: v has four unsigned numbers x, y, z, w of 32 bits, or four vectors of them.
+#define RNG_SCRAMBLE(v)                                                                            \
+    do {                                                                                           \
+        (v).x = (v).x * 1664525u + 1013904223u;                                                    \
+        (v).y = (v).y * 1664525u + 1013904223u;                                                    \
+        (v).z = (v).z * 1664525u + 1013904223u;                                                    \
+        (v).w = (v).w * 1664525u + 1013904223u;                                                    \
+        (v).x += (v).y * (v).w;                                                                    \
+        (v).y += (v).z * (v).x;                                                                    \
+        (v).z += (v).x * (v).y;                                                                    \
+        (v).w += (v).y * (v).z;                                                                    \
+        (v).x ^= (v).x >> 16;                                                                      \
+        (v).y ^= (v).y >> 16;                                                                      \
+        (v).z ^= (v).z >> 16;                                                                      \
+        (v).w ^= (v).w >> 16;                                                                      \
+        (v).x += (v).y * (v).w;                                                                    \
+        (v).y += (v).z * (v).x;                                                                    \
+        (v).z += (v).x * (v).y;                                                                    \
+        (v).w += (v).y * (v).z;                                                                    \
+    } while (0)
+
 // Four uniform 32-bit numbers for one block of one sample of one pixel (its place in Z-order).
 static inline uint4 rng_bits(uint seed, uint pixel, uint sample, uint dimension)
 {
     uint4 v;
-    v.x = pixel * 1664525u + 1013904223u;
-    v.y = sample * 1664525u + 1013904223u;
-    v.z = dimension * 1664525u + 1013904223u;
-    v.w = seed * 1664525u + 1013904223u;
-
-    v.x += v.y * v.w;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v.w += v.y * v.z;
-
-    v.x ^= v.x >> 16;
-    v.y ^= v.y >> 16;
-    v.z ^= v.z >> 16;
-    v.w ^= v.w >> 16;
-
-    v.x += v.y * v.w;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v.w += v.y * v.z;
+    v.x = pixel;
+    v.y = sample;
+    v.z = dimension;
+    v.w = seed;
+    RNG_SCRAMBLE(v);
     return v;
 }
 

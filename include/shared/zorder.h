@@ -26,8 +26,8 @@ static inline uint zorder_compact_bits(uint v)
     return v;
 }
 
-// The pixel (x + y * width) at place `index` of the order, 0 <= index < width * height.
-static inline uint zorder_pixel(uint index, uint width, uint height)
+// Column and row of the pixel at place `index` of the order, 0 <= index < width * height.
+static inline uint2 zorder_place(uint index, uint width, uint height)
 {
     // Find the band of tiles, then the tile in it.
     const uint band = index / (width * ZORDER_TILE);
@@ -39,13 +39,22 @@ static inline uint zorder_pixel(uint index, uint width, uint height)
     const uint in_tile = in_band - x0 * band_height;
 
     // Find the pixel in the tile.
-    uint x = in_tile % tile_width;
-    uint y = in_tile / tile_width;
+    uint2 place;
     if (tile_width == ZORDER_TILE && band_height == ZORDER_TILE) {
-        x = zorder_compact_bits(in_tile);
-        y = zorder_compact_bits(in_tile >> 1);
+        place.x = x0 + zorder_compact_bits(in_tile);
+        place.y = y0 + zorder_compact_bits(in_tile >> 1);
+    } else {
+        place.x = x0 + in_tile % tile_width;
+        place.y = y0 + in_tile / tile_width;
     }
-    return (y0 + y) * width + x0 + x;
+    return place;
+}
+
+// That pixel's number, x + y * width.
+static inline uint zorder_pixel(uint index, uint width, uint height)
+{
+    const uint2 place = zorder_place(index, width, height);
+    return place.y * width + place.x;
 }
 
 #endif

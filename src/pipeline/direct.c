@@ -28,7 +28,7 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
         ARG_BUFFER(&w->places),
     };
     return kernel_enqueue(context->gpu, &direct->kernel, args, sizeof(args) / sizeof(args[0]),
-                          stage_trace_items(context, &direct->kernel));
+                          stage_light_items(context, &direct->kernel));
 }
 
 void direct_free(struct direct *direct)

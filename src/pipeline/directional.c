@@ -14,14 +14,14 @@ enum status directional_enqueue(const struct directional *directional,
     const struct wavefront *w = context->wavefront;
     const struct kernel_arg args[] = {
         ARGS_TRACED(scene),
-        ARG_BUFFER(&w->settings),
-        ARG_VALUE(context->bounce),
-        ARG_BUFFER(&scene->directional),
         ARG_BUFFER(stage_queue(context)),
         ARG_BUFFER(&w->rays),
         ARG_BUFFER(&w->hits),
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->counters),
+        ARG_BUFFER(&w->settings),
+        ARG_VALUE(context->bounce),
+        ARG_BUFFER(&scene->directional),
         // From here on only where there is an environment.
         ARG_VALUE(context->batch),
         ARG_VALUE(scene->map),
@@ -32,7 +32,7 @@ enum status directional_enqueue(const struct directional *directional,
     };
     const size_t count = sizeof(args) / sizeof(args[0]) - (scene->map.width > 0 ? 0 : 6);
     return kernel_enqueue(context->gpu, &directional->kernel, args, count,
-                          stage_trace_items(context, &directional->kernel));
+                          stage_light_items(context, &directional->kernel));
 }
 
 void directional_free(struct directional *directional)

@@ -9,9 +9,9 @@ enum status raygen_build(struct raygen *out, const struct gpu *gpu,
 enum status raygen_enqueue(const struct raygen *raygen, const struct stage_context *context)
 {
     const struct wavefront *w = context->wavefront;
-    const uint32_t count = context->batch.count;
+    const size_t shade_items = stage_shade_items(context, &raygen->kernel);
     const size_t items =
-        count > w->bounce_count ? count : w->bounce_count; // it clears counters, too
+        shade_items > w->bounce_count ? shade_items : w->bounce_count; // it clears counters, too
     const struct kernel_arg args[] = {
         ARG_BUFFER(&w->settings),   ARG_BUFFER(&w->camera),   ARG_VALUE(context->batch),
         ARG_VALUE(w->bounce_count), ARG_BUFFER(&w->rays),     ARG_BUFFER(&w->paths),

@@ -1,6 +1,7 @@
 // lib/light.h: drawing lights, and points on them.
 
 #include "lib/light.h"
+#include "lib/light_lanes.h"
 #include "test.h"
 
 TEST_KERNEL light_draws(__global const struct light_node *nodes, const float4 p,
@@ -48,4 +49,27 @@ TEST_KERNEL light_samples(__global const struct light *lights,
         light_sample(lights, shapes, light, &surface, points[i].xyz, numbers[i].x, numbers[i].y);
     dir_distance[i] = (float4)(sampled.dir, sampled.distance);
     radiance_density[i] = (float4)(sampled.radiance, sampled.density);
+}
+
+// As light_samples, eight points an item; count is a multiple.
+TEST_KERNEL light_samples_by_eights(
+    __global const struct light *lights, __global const struct light_shape *shapes,
+    const uint light, __global const struct vertex *vertices,
+    __global const struct triangle *triangles, __global const struct material *materials,
+    __global const uint *texels, __global const float4 *points, __global const float4 *numbers,
+    const uint count, __global float4 *dir_distance, __global float4 *radiance_density)
+{
+    const uint first = get_global_id(0) * LANES;
+    if (first >= count)
+        return;
+    const struct surface surface = {vertices, 0, triangles, materials, texels};
+    uint slots[LANES], index[LANES];
+    vstore8(first + (uint8)(0, 1, 2, 3, 4, 5, 6, 7), 0, slots);
+    vstore8((uint8)(light), 0, index);
+    const struct lanes4 p = LANES_OF(points, slots, );
+    const struct lanes4 u = LANES_OF(numbers, slots, );
+    const struct light_lanes sampled =
+        light_lanes_sample(lights, shapes, index, 0xffu, &surface, lanes3_xyz(p), u.x, u.y);
+    LANES_STORE(dir_distance, slots, , 0xffu, lanes4_make(sampled.dir, sampled.distance));
+    LANES_STORE(radiance_density, slots, , 0xffu, lanes4_make(sampled.radiance, sampled.density));
 }

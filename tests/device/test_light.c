@@ -24,6 +24,7 @@
 #define ANGLE_EPSILON 2e-3 // relative: the grid's error from half a size away
 #define VALUE_EPSILON 1e-5 // relative: a few roundings; the window's difference loses some digits
 #define CONE_EPSILON  2e-4 // of the squared cone: narrow ones divide a cosine's rounding by 0.001
+#define SAME_EPSILON  2e-3 // relative: the same of one sample, fused otherwise
 #define PI            3.14159265358979323846
 
 struct fixture {
@@ -86,6 +87,14 @@ static int light_teardown(void **state)
     return device_teardown(state);
 }
 
+static void assert_same_row(const float4 *row, const float4 *expected)
+{
+    const float *a = &row->x;
+    const float *b = &expected->x;
+    for (int k = 0; k < 4; k++)
+        assert_close(a[k], b[k], 1e-6 + SAME_EPSILON * fabs(b[k]));
+}
+
 // Samples a light from cell_points by cell_numbers into cell_dirs and cell_values.
 static void sample(const struct shaped_light *light)
 {
@@ -104,6 +113,18 @@ static void sample(const struct shaped_light *light)
     DEVICE_RUN(f->gpu, &f->program, "light_samples", args, count);
     assert_ok(buffer_read(f->gpu, &f->dirs, f->cell_dirs, CELLS * sizeof(float4)));
     assert_ok(buffer_read(f->gpu, &f->values, f->cell_values, CELLS * sizeof(float4)));
+
+    // By eights it is the same.
+    float4 *dirs = calloc(2 * CELLS, sizeof(float4));
+    float4 *values = dirs + CELLS;
+    DEVICE_RUN(f->gpu, &f->program, "light_samples_by_eights", args, count);
+    assert_ok(buffer_read(f->gpu, &f->dirs, dirs, CELLS * sizeof(float4)));
+    assert_ok(buffer_read(f->gpu, &f->values, values, CELLS * sizeof(float4)));
+    for (uint32_t i = 0; i < CELLS; i++) {
+        assert_same_row(&dirs[i], &f->cell_dirs[i]);
+        assert_same_row(&values[i], &f->cell_values[i]);
+    }
+    free(dirs);
 }
 
 static void sample_from(const struct shaped_light *light, const double *point)

@@ -158,6 +158,21 @@ static uint32_t count_different(const struct lk_image *first, const struct lk_im
     return count;
 }
 
+// Asserts that both pictures are one but for the paths that rounding has sent another way.
+static void assert_close_picture(const struct lk_settings *one, const struct lk_settings *other)
+{
+    struct lk_comparison comparison;
+    struct lk_image *first = render(scene, one);
+    struct lk_image *second = render(scene, other);
+    assert_int_equal(lk_compare(&comparison, NULL, first, second), LK_OK);
+    for (int i = 0; i < 3; i++)
+        assert_true(fabs(comparison.mean[i] - comparison.reference_mean[i]) <
+                    1e-2 * comparison.mean[i]);
+    assert_true(count_different(first, second) < 0.02 * 75 * 53);
+    lk_image_free(second);
+    lk_image_free(first);
+}
+
 static void traversal_variants_agree(void **state)
 {
     (void)state;
@@ -183,25 +198,16 @@ static void layouts_of_the_bvh_agree(void **state)
     skip_without_device();
     struct lk_settings binary = small_settings();
     struct lk_settings wider = binary;
-    struct lk_comparison comparison;
     binary.bvh = LK_BVH_BINARY;
     binary.bvh_build = LK_BVH_BUILD_SBVH;
-    struct lk_image *first = render(scene, &binary);
-    for (wider.bvh = LK_BVH_WIDE; wider.bvh <= LK_BVH_QUAD; wider.bvh++) {
-        struct lk_image *second = render(scene, &wider);
-        assert_int_equal(lk_compare(&comparison, NULL, first, second), LK_OK);
-        for (int i = 0; i < 3; i++)
-            assert_true(fabs(comparison.mean[i] - comparison.reference_mean[i]) <
-                        1e-2 * comparison.mean[i]);
-        assert_true(count_different(first, second) < 0.02 * 75 * 53);
-        lk_image_free(second);
-    }
-    lk_image_free(first);
+    for (wider.bvh = LK_BVH_WIDE; wider.bvh <= LK_BVH_QUAD; wider.bvh++)
+        assert_close_picture(&binary, &wider);
     struct lk_settings thesis = binary;
     thesis.bvh_build = LK_BVH_BUILD_THESIS;
     assert_same_render(&binary, &thesis);
 }
 
+// CPUs shade hits by eights where textures are in a pool, which rounds otherwise.
 static void texture_variants_agree(void **state)
 {
     (void)state;
@@ -210,10 +216,11 @@ static void texture_variants_agree(void **state)
     struct lk_settings bound = pool;
     pool.textures = LK_TEXTURES_POOL;
     bound.textures = LK_TEXTURES_BOUND;
-    assert_same_picture(&pool, &bound);
-    bound.queue = 1024;
-    bound.trace = LK_TRACE_PERSISTENT;
-    assert_same_picture(&pool, &bound);
+    assert_close_picture(&pool, &bound);
+    struct lk_settings other = bound;
+    other.queue = 1024;
+    other.trace = LK_TRACE_PERSISTENT;
+    assert_same_picture(&bound, &other);
 }
 
 // No ray of this scene meets two triangles at one distance, so the order of the tests is free.

@@ -1,0 +1,285 @@
+/**
+ * @file
+ * The material stage for eight hits side by side (cl/material.cl), on CPUs. Geometry, emission and
+ * what is written are of all lanes; textures, and BSDFs of more than the Lambert term, are looked
+ * up lane by lane.
+ */
+#ifndef LIB_MATERIAL_LANES_H
+#define LIB_MATERIAL_LANES_H
+
+#include "lib/bsdf.h"
+#include "lib/light_sampler.h"
+#include "lib/material_bsdf.h"
+#include "lib/shade_lanes.h"
+
+// What keeps a material from being shaded here.
+#define MATERIAL_LANES_NOT                                                                         \
+    (MATERIAL_UNLIT | MATERIAL_VERTEX_COLOR | MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP |     \
+     MATERIAL_LAYERED)
+
+// Where the lanes' rays have met what.
+struct material_lanes_hits {
+    uint triangle[LANES];
+    uint material[LANES];
+    uint v0[LANES], v1[LANES], v2[LANES];
+    float u[LANES], v[LANES];
+};
+
+// BSDFs, lane by lane.
+struct material_lanes_bsdf {
+    float diffuse_r[LANES], diffuse_g[LANES], diffuse_b[LANES];
+    float f0_r[LANES], f0_g[LANES], f0_b[LANES];
+    float f90[LANES], dielectric_f0[LANES];
+    float normal_x[LANES], normal_y[LANES], normal_z[LANES];
+    uint bits[LANES]; // of path.throughput_bits.w
+};
+
+// A lane's texture coordinates.
+static inline float4 material_lanes_uv(const struct surface *s, const struct material_lanes_hits *h,
+                                       const uint k)
+{
+    return surface_blend(s->vertices[h->v0[k]].uv, s->vertices[h->v1[k]].uv,
+                         s->vertices[h->v2[k]].uv, h->u[k], h->v[k]);
+}
+
+// Multiplies the colours of those lanes that have a bit with one of their textures.
+static inline struct lanes3 material_lanes_texture(const struct surface *s,
+                                                   const struct material_lanes_hits *h, uint bits,
+                                                   const uint use, const struct lanes3 color)
+{
+    float r[LANES], g[LANES], b[LANES];
+    vstore8((float8)(1.0f), 0, r);
+    vstore8((float8)(1.0f), 0, g);
+    vstore8((float8)(1.0f), 0, b);
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        const float4 texel = texture_fetch_pool(
+            s->texels, &s->materials[h->material[k]].textures[use], material_lanes_uv(s, h, k));
+        r[k] = texel.x;
+        g[k] = texel.y;
+        b[k] = texel.z;
+    }
+    return lanes3_mul(color, lanes3_make(vload8(0, r), vload8(0, g), vload8(0, b)));
+}
+
+// Lanes whose materials have a texture of this use.
+static inline uint material_lanes_textured(const struct surface *s,
+                                           const struct material_lanes_hits *h, const uint use)
+{
+    const uint8 flags = LANES_WORD(uint8, s->materials, h->material, .textures[use].flags);
+    return lanes_bits((flags & TEXTURE_PRESENT) != 0u);
+}
+
+// Looks up one lane that is more than Lambert.
+//
+//   out  normals are bent where they have to be
+static inline void material_lanes_look_up(struct material_lanes_bsdf *out,
+                                          __constant struct settings *settings, const bool last,
+                                          const struct surface *s,
+                                          const struct material_lanes_hits *h, const uint k,
+                                          const float3 geometric, const float3 view)
+{
+    const float4 uv = material_lanes_uv(s, h, k);
+    __global const struct material *material = &s->materials[h->material[k]];
+    struct texture_values values;
+    values.base = texture_fetch_pool(s->texels, &material->textures[TEXTURE_BASE], uv);
+    values.surface = texture_fetch_pool(s->texels, &material->textures[TEXTURE_SURFACE], uv);
+    values.specular = texture_fetch_pool(s->texels, &material->textures[TEXTURE_SPECULAR], uv);
+    values.specular_color =
+        texture_fetch_pool(s->texels, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+
+    struct bsdf b;
+    b.view = view;
+    b.geometric = geometric;
+    b.normal = (float3)(out->normal_x[k], out->normal_y[k], out->normal_z[k]);
+    material_bsdf(&b, material, &values, (float4)(1.0f));
+    if (luminance(b.f0) > luminance(b.diffuse))
+        b.normal = bsdf_bend_normal(&b);
+    const bool bounces = !last || (settings->emitter_count != 0 && !bsdf_is_lambert(&b));
+    out->diffuse_r[k] = b.diffuse.x;
+    out->diffuse_g[k] = b.diffuse.y;
+    out->diffuse_b[k] = b.diffuse.z;
+    out->f0_r[k] = b.f0.x;
+    out->f0_g[k] = b.f0.y;
+    out->f0_b[k] = b.f0.z;
+    out->f90[k] = b.f90;
+    out->dielectric_f0[k] = b.dielectric_f0;
+    out->normal_x[k] = b.normal.x;
+    out->normal_y[k] = b.normal.y;
+    out->normal_z[k] = b.normal.z;
+    out->bits[k] = PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE) | bsdf_bits(&b);
+}
+
+// Shades those of the slots that have a bit and can be shaded here. Returns bits of the rest.
+static inline uint material_lanes(
+    __constant struct settings *settings, const uint bounce, const uint *slots, const uint used,
+    __global const struct hit *hits, const struct surface *s,
+    __global const uint *triangle_emitters, __global const struct light *lights,
+    __global const struct light_shape *shapes, __global const float4 *light_nodes,
+    __global const uint *light_parents, __global const uint *light_leaves,
+    __global struct ray *rays, __global struct path *paths, __global struct shade *shades)
+{
+    // See what was hit. Lanes that hit nothing take part as if they had hit the first triangle.
+    const struct lanes4 hit = LANES_OF(((__global const float4 *)hits), slots, );
+    const uint8 triangle = as_uint8(hit.w);
+    const uint met = used & lanes_bits(triangle != HIT_NONE);
+    for (uint missed = used & ~met; missed != 0; missed &= missed - 1)
+        paths[slots[lanes_lowest(missed)]].throughput_bits.w = as_float(0u);
+    if (met == 0)
+        return 0;
+    struct material_lanes_hits h;
+    vstore8(triangle != HIT_NONE ? triangle : (uint8)(0u), 0, h.triangle);
+    vstore8(hit.y, 0, h.u);
+    vstore8(hit.z, 0, h.v);
+    const struct lanes4 tri = LANES_OF(((__global const float4 *)s->triangles), h.triangle, );
+    vstore8(as_uint8(tri.x), 0, h.v0);
+    vstore8(as_uint8(tri.y), 0, h.v1);
+    vstore8(as_uint8(tri.z), 0, h.v2);
+    vstore8(as_uint8(tri.w), 0, h.material);
+    const uint8 flags = LANES_WORD(uint8, s->materials, h.material, .flags);
+    const uint own = met & lanes_bits((flags & MATERIAL_LANES_NOT) == 0u);
+    if (own == 0)
+        return met;
+    const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
+    const bool last = bounce + 1 == settings->depth;
+
+    // Find the points and their normals.
+    const struct lanes4 row0 = LANES_OF(s->vertices, h.v0, .pos_normal);
+    const struct lanes4 row1 = LANES_OF(s->vertices, h.v1, .pos_normal);
+    const struct lanes4 row2 = LANES_OF(s->vertices, h.v2, .pos_normal);
+    const struct lanes3 corner = lanes3_xyz(row0);
+    const struct lanes3 edge1 = lanes3_sub(lanes3_xyz(row1), corner);
+    const struct lanes3 edge2 = lanes3_sub(lanes3_xyz(row2), corner);
+    const struct lanes3 p = lanes3_muladd(edge1, hit.y, lanes3_muladd(edge2, hit.z, corner));
+    const struct lanes4 ray_dir = LANES_OF(rays, slots, .dir);
+    const struct lanes3 dir = lanes3_xyz(ray_dir);
+    struct lanes3 geometric = lanes3_normalize(lanes3_cross(edge1, edge2));
+    const float8 cosine = lanes3_dot(geometric, dir);
+    const int8 front = cosine < 0.0f;
+
+    // Add what the surfaces emit towards the paths.
+    const struct lanes4 throughput_bits = LANES_OF(paths, slots, .throughput_bits);
+    const struct lanes4 radiance_normal = LANES_OF(paths, slots, .radiance_normal);
+    const uint8 path_bits = as_uint8(throughput_bits.w);
+    struct lanes3 throughput = lanes3_xyz(throughput_bits);
+    struct lanes3 radiance = lanes3_xyz(radiance_normal);
+    const struct lanes4 emission_row = LANES_OF(s->materials, h.material, .emission);
+    struct lanes3 emission = lanes3_xyz(emission_row);
+    const int8 shines =
+        (front | ((flags & MATERIAL_EMITS_BACK) != 0u)) & (lanes3_max(emission) > 0.0f);
+    const uint shining = measures ? 0u : own & lanes_bits(shines);
+    if (shining != 0) {
+        emission = material_lanes_texture(
+            s, &h, shining & material_lanes_textured(s, &h, TEXTURE_EMISSIVE), TEXTURE_EMISSIVE,
+            emission);
+        const struct lanes3 before = lanes_oct_unpack(as_uint8(radiance_normal.w));
+        const uint met_by_light =
+            shining & lanes_bits((path_bits & PATH_SPECULAR) == 0u); // may be found by lights
+        float weight[LANES], cosines[LANES], normal[3][LANES], t[LANES], densities[LANES];
+        vstore8((float8)(1.0f), 0, weight);
+        vstore8(fabs(cosine), 0, cosines);
+        vstore8(before.x, 0, normal[0]);
+        vstore8(before.y, 0, normal[1]);
+        vstore8(before.z, 0, normal[2]);
+        vstore8(hit.x, 0, t);
+        vstore8(ray_dir.w, 0, densities);
+        for (uint rest = met_by_light; rest != 0; rest &= rest - 1) {
+            const uint k = lanes_lowest(rest);
+            const uint emitter = triangle_emitters[h.triangle[k]];
+            if (emitter == EMITTER_NONE)
+                continue;
+            const uint kind = as_uint(lights[emitter].color_kind.w);
+            const float area = shapes[kind >> LIGHT_SHAPE_SHIFT].edge_u.w;
+            const float count = light_expected_count(
+                settings, light_nodes, light_parents, light_leaves, rays[slots[k]].org.xyz,
+                (float3)(normal[0][k], normal[1][k], normal[2][k]), emitter);
+            weight[k] = mis_weight(densities[k], count * t[k] * t[k] / (area * cosines[k]));
+        }
+        const float8 counts = shines ? vload8(0, weight) : (float8)(0.0f);
+        radiance = lanes3_add(radiance, lanes3_mul(lanes3_scale(throughput, counts), emission));
+    }
+
+    // Turn the normals to the viewer; a shading normal that looks away is of no use.
+    const struct lanes3 blended =
+        lanes3_muladd(lanes_oct_unpack(as_uint8(row0.w)), 1.0f - hit.y - hit.z,
+                      lanes3_muladd(lanes_oct_unpack(as_uint8(row1.w)), hit.y,
+                                    lanes3_scale(lanes_oct_unpack(as_uint8(row2.w)), hit.z)));
+    struct lanes3 normal =
+        lanes3_select(lanes3_dot(blended, blended) > 0.0f, lanes3_normalize(blended), geometric);
+    const float8 turned = lanes3_dot(normal, geometric) < 0.0f ? (float8)(-1.0f) : (float8)(1.0f);
+    const float8 side = front ? (float8)(1.0f) : (float8)(-1.0f);
+    geometric = lanes3_scale(geometric, side);
+    normal = lanes3_scale(normal, turned * side);
+    normal = lanes3_select(lanes3_dot(normal, dir) < -1e-4f, normal, geometric);
+
+    // Find their BSDFs.
+    const struct lanes4 base = LANES_OF(s->materials, h.material, .base);
+    const uint lambert = measures ? 0xffu : lanes_bits((flags & MATERIAL_LAMBERT) != 0u);
+    struct lanes3 diffuse = lanes3_xyz(base);
+    struct lanes3 f0 = {0.0f, 0.0f, 0.0f};
+    float8 f90 = (float8)(0.0f);
+    float8 dielectric_f0 = (float8)(0.0f);
+    uint8 bits = (uint8)(PATH_SHADED | (last ? PATH_NO_BOUNCE : 0u));
+    if (measures) { // f = 1 / pi, so that pi times what leaves is the irradiance
+        diffuse = lanes3_make(1.0f, 1.0f, 1.0f);
+        throughput = lanes3_scale(throughput, PI);
+    } else {
+        const uint textured = own & lambert & material_lanes_textured(s, &h, TEXTURE_BASE);
+        if (textured != 0)
+            diffuse = material_lanes_texture(s, &h, textured, TEXTURE_BASE, diffuse);
+    }
+    if (own & ~lambert) {
+        struct material_lanes_bsdf b;
+        float g[3][LANES], d[3][LANES];
+        vstore8(diffuse.x, 0, b.diffuse_r);
+        vstore8(diffuse.y, 0, b.diffuse_g);
+        vstore8(diffuse.z, 0, b.diffuse_b);
+        vstore8(f0.x, 0, b.f0_r);
+        vstore8(f0.y, 0, b.f0_g);
+        vstore8(f0.z, 0, b.f0_b);
+        vstore8(f90, 0, b.f90);
+        vstore8(dielectric_f0, 0, b.dielectric_f0);
+        vstore8(normal.x, 0, b.normal_x);
+        vstore8(normal.y, 0, b.normal_y);
+        vstore8(normal.z, 0, b.normal_z);
+        vstore8(bits, 0, b.bits);
+        vstore8(geometric.x, 0, g[0]);
+        vstore8(geometric.y, 0, g[1]);
+        vstore8(geometric.z, 0, g[2]);
+        vstore8(dir.x, 0, d[0]);
+        vstore8(dir.y, 0, d[1]);
+        vstore8(dir.z, 0, d[2]);
+        for (uint rest = own & ~lambert; rest != 0; rest &= rest - 1) {
+            const uint k = lanes_lowest(rest);
+            material_lanes_look_up(&b, settings, last, s, &h, k,
+                                   (float3)(g[0][k], g[1][k], g[2][k]),
+                                   -(float3)(d[0][k], d[1][k], d[2][k]));
+        }
+        diffuse =
+            lanes3_make(vload8(0, b.diffuse_r), vload8(0, b.diffuse_g), vload8(0, b.diffuse_b));
+        f0 = lanes3_make(vload8(0, b.f0_r), vload8(0, b.f0_g), vload8(0, b.f0_b));
+        f90 = vload8(0, b.f90);
+        dielectric_f0 = vload8(0, b.dielectric_f0);
+        normal = lanes3_make(vload8(0, b.normal_x), vload8(0, b.normal_y), vload8(0, b.normal_z));
+        bits = vload8(0, b.bits);
+    }
+
+    // Write the hits. Those of paths that only collect emission are not lit.
+    bits = (path_bits & PATH_COLLECT) != 0u ? (uint8)(0u) : bits;
+    const float8 largest = max8(max8(fabs(p.x), fabs(p.y)), fabs(p.z));
+    const struct lanes3 org =
+        lanes3_muladd(geometric, largest * SURFACE_OFFSET + SURFACE_OFFSET_LEAST, p);
+    LANES_STORE(rays, slots, .org, own, lanes4_make(org, as_float8(lanes_oct_pack(geometric))));
+    LANES_STORE(paths, slots, .throughput_bits, own, lanes4_make(throughput, as_float8(bits)));
+    LANES_STORE(paths, slots, .radiance_normal, own,
+                lanes4_make(radiance, as_float8(lanes_oct_pack(normal))));
+    struct lanes4 shade;
+    shade.x = lanes_pack_shares(diffuse.x, diffuse.y);
+    shade.y = lanes_pack_shares(diffuse.z, dielectric_f0);
+    shade.z = lanes_pack_shares(f0.x, f0.y);
+    shade.w = lanes_pack_shares(f0.z, f90);
+    LANES_STORE(((__global float4 *)shades), slots, , own, shade);
+    return met & ~own;
+}
+
+#endif

@@ -1,0 +1,139 @@
+/**
+ * @file
+ * Shadow rays of eight paths: drawn side by side, traced one by one.
+ */
+#ifndef LIB_SHADOW_LANES_H
+#define LIB_SHADOW_LANES_H
+
+#include "lib/queue.h"
+#include "lib/shade_lanes.h"
+#include "lib/traverse.h"
+
+// A shadow ray, and what it brings if the way is free.
+struct shadow {
+    float3 dir;   // unit
+    float reach;  // how far the way has to be free, m
+    float3 value; // 0 where there is no ray
+};
+
+static inline bool shadow_is_needed(const struct shadow *shadow)
+{
+    return max3(shadow->value) > 0.0f;
+}
+
+// Whether no ray follows that could meet a light.
+static inline bool path_is_alone(__global const struct path *path)
+{
+    return (as_uint(path->throughput_bits.w) & PATH_NO_BOUNCE) != 0;
+}
+
+// What a shadow ray from p brings.
+static inline float3 shadow_trace(BVH_NODES nodes, const struct traced *scene, const float3 p,
+                                  const struct shadow *shadow)
+{
+    return shadow->value * traverse_light(nodes, scene, p, shadow->dir, shadow->reach);
+}
+
+#if SHADE_LANES
+
+struct shadow_lanes {
+    float dir_x[LANES], dir_y[LANES], dir_z[LANES];
+    float reach[LANES];
+    float value_x[LANES], value_y[LANES], value_z[LANES]; // 0 where there is no ray
+};
+
+// Eight hits to light.
+struct shadow_lanes_hits {
+    uint slots[LANES];
+    uint lambert; // bits of those that have nothing but the Lambert term
+    uint others;  // bits of the rest that is to be lit
+    struct lambert_lanes b;
+};
+
+// Goes through a queue by eights: i is the number of an eight. `run` is in scope as QUEUE_LOCAL.
+#define SHADOW_LANES_LOOP(head, count)                                                             \
+    for (uint i = queue_first(head, run); queue_group(i) * LANES < (count);                        \
+         i = queue_next(i, head, run))                                                             \
+        if (i * LANES < (count))
+
+// Reads the eight from place `first` of the queue on. Returns whether one is to be lit.
+static inline bool shadow_lanes_load(struct shadow_lanes_hits *out, __global const uint *queue,
+                                     const uint first, const uint count,
+                                     __global const struct ray *rays,
+                                     __global const struct path *paths,
+                                     __global const struct shade *shades)
+{
+    const uint used = shade_lanes_slots(out->slots, queue, first, count);
+    const float8 bits = LANES_WORD(float8, paths, out->slots, .throughput_bits.w);
+    const uint shaded = used & lanes_bits((as_uint8(bits) & PATH_SHADED) != 0u);
+    if (shaded == 0)
+        return false;
+    out->lambert = shaded & lambert_lanes_are(out->slots, 0, 0, paths, shades);
+    out->others = shaded & ~out->lambert;
+    out->b = lambert_lanes_load(out->slots, rays, paths, shades);
+    return true;
+}
+
+// Sets all lanes; those without a ray by the mask bring nothing.
+static inline void shadow_lanes_set(struct shadow_lanes *shadows, const struct lanes3 dir,
+                                    const float8 reach, const struct lanes3 value,
+                                    const int8 needed)
+{
+    const float8 zero = (float8)(0.0f);
+    vstore8(dir.x, 0, shadows->dir_x);
+    vstore8(dir.y, 0, shadows->dir_y);
+    vstore8(dir.z, 0, shadows->dir_z);
+    vstore8(reach, 0, shadows->reach);
+    vstore8(needed ? value.x : zero, 0, shadows->value_x);
+    vstore8(needed ? value.y : zero, 0, shadows->value_y);
+    vstore8(needed ? value.z : zero, 0, shadows->value_z);
+}
+
+// Sets one lane after the others. Returns its bit if the ray is needed.
+static inline uint shadow_lanes_set_one(struct shadow_lanes *shadows, const uint lane,
+                                        const struct shadow *shadow)
+{
+    if (!shadow_is_needed(shadow))
+        return 0;
+    shadows->dir_x[lane] = shadow->dir.x;
+    shadows->dir_y[lane] = shadow->dir.y;
+    shadows->dir_z[lane] = shadow->dir.z;
+    shadows->reach[lane] = shadow->reach;
+    shadows->value_x[lane] = shadow->value.x;
+    shadows->value_y[lane] = shadow->value.y;
+    shadows->value_z[lane] = shadow->value.z;
+    return 1u << lane;
+}
+
+// What the shadow rays bring: those of `bits` are traced from the slots' points, others bring
+// nothing.
+static inline struct lanes3 shadow_lanes_trace(struct shadow_lanes *shadows, BVH_NODES nodes,
+                                               const struct traced *scene, const uint *slots,
+                                               uint bits, __global const struct ray *rays)
+{
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        const float3 share = traverse_light(
+            nodes, scene, rays[slots[k]].org.xyz,
+            (float3)(shadows->dir_x[k], shadows->dir_y[k], shadows->dir_z[k]), shadows->reach[k]);
+        shadows->value_x[k] *= share.x;
+        shadows->value_y[k] *= share.y;
+        shadows->value_z[k] *= share.z;
+    }
+    return lanes3_make(vload8(0, shadows->value_x), vload8(0, shadows->value_y),
+                       vload8(0, shadows->value_z));
+}
+
+// Adds what came to the paths of the hits.
+static inline void shadow_lanes_add(const struct shadow_lanes_hits *hits, const struct lanes3 sum,
+                                    __global struct path *paths)
+{
+    const struct lanes4 radiance = LANES_OF(paths, hits->slots, .radiance_normal);
+    const struct lanes3 came = lanes3_mul(hits->b.throughput, sum);
+    LANES_STORE(paths, hits->slots, .radiance_normal, hits->lambert | hits->others,
+                lanes4_make(lanes3_add(lanes3_xyz(radiance), came), radiance.w));
+}
+
+#endif
+
+#endif
