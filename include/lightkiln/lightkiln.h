@@ -185,7 +185,7 @@ enum lk_trace {
     LK_TRACE_SIMPLE,     // one ray a work item
     LK_TRACE_PERSISTENT, // work fetched from a queue (Aila & Laine 2009)
     LK_TRACE_POSTPONING, // one ray a work item; a warp tests leaves together (NVIDIA)
-    LK_TRACE_WARPS       // the same, with a queue for each warp (NVIDIA)
+    LK_TRACE_WARPS       // the same, with a queue for each warp, or over LK_BVH_QUAD for each lane
 };
 
 enum lk_bvh {
