@@ -23,7 +23,7 @@ enum status renderer_open(struct renderer *out, const struct gpu_info *info,
     enum status status = gpu_open(&r.gpu, info, settings->profile, spare_units);
     if (status != STATUS_OK)
         return status;
-    settings_choose_variants(&r.chosen, &r.gpu.info);
+    settings_choose_variants(&r.chosen, &r.gpu);
     status = settings_check_device(&r.chosen, &r.gpu);
     if (status != STATUS_OK) {
         renderer_free(&r);

@@ -22,7 +22,7 @@ enum status settings_check(const struct lk_settings *settings);
 void settings_choose_sampler(struct lk_settings *settings);
 
 /** Decides on the rest of what is left open, by the device. */
-void settings_choose_variants(struct lk_settings *settings, const struct gpu_info *info);
+void settings_choose_variants(struct lk_settings *settings, const struct gpu *gpu);
 
 /**
  * Whether a device can do what was chosen.

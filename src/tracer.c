@@ -150,7 +150,7 @@ static enum status begin(struct lk_tracer *t, struct lk_scene *scene)
         status = gpu_open(&t->gpu, &device, false, 0);
     if (status != STATUS_OK)
         return status;
-    settings_choose_variants(settings, &t->gpu.info);
+    settings_choose_variants(settings, &t->gpu);
     engine_describe_device(&t->info.device, &t->gpu.info);
     status = settings_check_device(settings, &t->gpu);
     if (status == STATUS_OK)
