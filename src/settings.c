@@ -71,9 +71,9 @@ void settings_choose_variants(struct lk_settings *settings, const struct gpu *gp
 {
     const struct gpu_info *info = &gpu->info;
 
-    // Over nodes of bytes, warps trace bounces in Sponza at a quarter more rays/s than one ray an
-    // item does through the binary BVH, and shadow rays at a fifth; where all of a BVH is near, in
-    // a scene of 45 000 triangles, at 0 to 10 % more (H100).
+    // Over nodes of bytes, warps trace later bounces in Sponza at a quarter more rays/s than the
+    // binary BVH gives and primary rays at a fifth less; in a scene of 45 000 triangles, 3 to 7 %
+    // more and three tenths less (H100, a prototype).
     if (settings->trace == LK_TRACE_AUTO && settings->bvh == LK_BVH_AUTO &&
         settings->nodes == LK_NODES_BUFFER && !info->is_cpu && program_takes_votes(gpu)) {
         settings->trace = LK_TRACE_WARPS;
