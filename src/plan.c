@@ -56,8 +56,8 @@ static void describe(struct lk_scene_info *out, const struct lk_scene *scene,
                    .geometry = sizes.geometry,
                    .materials = sizes.materials,
                    .lights = sizes.lights,
-                   .rays = capacity * wavefront_path_size(textures_bound) +
-                           wavefront_points_size(&told) + wavefront_places_size(pixels),
+                   .rays = capacity * wavefront_path_size(textures_bound),
+                   .samples = wavefront_points_size(&told) + wavefront_places_size(pixels),
                    .film = pixels * film_pixel_size(),
                    .peak_host = (uint64_t)usage.ru_maxrss * 1024},
         .width = camera->width,
@@ -67,7 +67,7 @@ static void describe(struct lk_scene_info *out, const struct lk_scene *scene,
         out->memory.materials += p->materials.texel_count * sizeof(*p->materials.texels);
     struct lk_memory *memory = &out->memory;
     memory->total_device = memory->bvh + memory->geometry + memory->materials + memory->lights +
-                           memory->rays + memory->film;
+                           memory->rays + memory->samples + memory->film;
 }
 
 // The queue asked for, or the default; never larger than the work.
@@ -100,10 +100,12 @@ static enum status fail_memory(const struct lk_memory *memory, uint64_t limit)
         {"materials", memory->materials},
         {"lights", memory->lights},
         {"rays", memory->rays},
+        {"samples", memory->samples},
         {"film", memory->film},
     };
+    const int count = sizeof(users) / sizeof(users[0]);
     for (int i = 0; i < 3; i++)
-        for (int j = i + 1; j < 6; j++)
+        for (int j = i + 1; j < count; j++)
             if (users[j].size > users[i].size) {
                 const struct user larger = users[j];
                 users[j] = users[i];

@@ -99,6 +99,7 @@ struct lk_memory {
     uint64_t materials; // with textures
     uint64_t lights;    // with their hierarchy and the environment
     uint64_t rays;      // per-path data of the ray queue
+    uint64_t samples;   // what all paths share: points of samples, the list of pixels
     uint64_t film;      // accumulators
     uint64_t total_device;
     uint64_t peak_host; // largest resident size of this process so far

@@ -66,15 +66,17 @@ static const char *verdict_above(const struct range *range)
 
 // ---- Section 4.2.1
 
-static double path_size(const struct bench_scene *scene)
+double bench_path_size(const struct bench_scene *scene)
 {
     return (double)scene->used.rays / scene->queue;
 }
 
 uint64_t bench_total_memory(const struct bench_scene *scene, uint32_t queue)
 {
-    return scene->used.total_device - scene->used.film - scene->used.rays +
-           (uint64_t)(path_size(scene) * queue) + scene->info[DEFAULT_AT].memory.film;
+    const struct lk_memory *used = &scene->used;
+    const struct lk_memory *frame = &scene->info[DEFAULT_AT].memory;
+    return used->bvh + used->geometry + used->materials + used->lights + frame->samples +
+           (uint64_t)(bench_path_size(scene) * queue) + frame->film;
 }
 
 static void conclude_memory(struct bench_table *out, const struct bench_results *results)
@@ -85,6 +87,7 @@ static void conclude_memory(struct bench_table *out, const struct bench_results 
     struct range rays = {0};
     struct range quarter = {0};
     struct range dominant = {0};
+    struct range pixels = {0};
     for (unsigned i = 0; i < results->scene_count; i++) {
         const struct lk_scene_info *info = &results->scenes[i].info[DEFAULT_AT];
         const double triangles = (double)info->triangles;
@@ -95,6 +98,7 @@ static void conclude_memory(struct bench_table *out, const struct bench_results 
         widen(&dominant, (double)used->rays / fmax(fmax((double)used->bvh, (double)used->geometry),
                                                    (double)used->materials));
         widen(&rays, (double)info->memory.rays / MEGABYTE);
+        widen(&pixels, bench_path_size(&results->scenes[i]) * THESIS_PIXELS / MEGABYTE);
         widen(&quarter, (double)info->memory.rays / (double)results->scenes[i].info[0].memory.rays);
     }
     add(out, "geometry grows linearly with the triangles",
@@ -109,6 +113,9 @@ static void conclude_memory(struct bench_table *out, const struct bench_results 
     add(out, "per-ray data do not depend on the scene",
         verdict(rays.count > 1, rays.high == rays.low), "188 MB at 1024 x 1024",
         "%.0f to %.0f MB at 1024 x 1024", rays.low, rays.high);
+    add(out, "a path for each of 1024 x 1024 pixels takes at most half of the thesis's data (ours)",
+        verdict(pixels.count > 0, pixels.high <= 0.5 * THESIS_RAYS_MB), "188 MB", "%.0f MB",
+        pixels.high);
     add(out, "for some scenes per-ray data are the dominant part",
         verdict(dominant.count > 0, dominant.high > 1.0), "0.72 to 32 times the largest other",
         "%.2g to %.2g times the largest other", dominant.low, dominant.high);
@@ -123,7 +130,7 @@ static void conclude_limits(struct bench_table *out, const struct bench_results 
     struct range speed = {0};
     for (unsigned i = 0; i < results->scene_count; i++) {
         const struct bench_scene *scene = &results->scenes[i];
-        widen(&rays, path_size(scene) * scene->small_queue / MEGABYTE);
+        widen(&rays, bench_path_size(scene) * scene->small_queue / MEGABYTE);
         widen(&speed, 100.0 * scene->small_rays_per_s / scene->speed[1][1][0].rays_per_s);
         if (scene->thesis == NULL || scene->thesis->triangles < 1e6)
             continue;

@@ -30,6 +30,7 @@ static const struct bench_column table1_columns[] = {
     {"lights_mb", "lights, MB", "%.1f"},
     {"queue", "paths in flight", "%.0f"},
     {"rays_mb", "per-ray data, MB", "%.1f"},
+    {"pixel_rays_mb", "one path a pixel, MB", "%.1f"},
     {"film_mb", "film, MB", "%.1f"},
     {"total_mb", "total, MB", "%.1f"},
     {"thesis_scene", "thesis", NULL},
@@ -128,6 +129,7 @@ static void fill_table1(struct bench_table *out, const struct bench_results *res
         bench_number(out, (double)scene->used.lights * MB);
         bench_number(out, scene->queue);
         bench_number(out, (double)scene->used.rays * MB);
+        bench_number(out, bench_path_size(scene) * THESIS_PIXELS * MB);
         bench_number(out, (double)info->memory.film * MB);
         bench_number(out, (double)bench_total_memory(scene, scene->queue) * MB);
         bench_text(out, thesis != NULL ? thesis->thesis : "-");

@@ -108,6 +108,9 @@ double bench_mean(const struct lk_image *image);
 /** The time, or the rays, that a curve takes to a variance; infinite if it never gets there. */
 double bench_curve_reach(const struct bench_curve *curve, double variance, bool rays);
 
+/** Bytes of a path in flight. */
+double bench_path_size(const struct bench_scene *scene);
+
 /** Bytes on the device at 1024 x 1024, with so many paths in flight. */
 uint64_t bench_total_memory(const struct bench_scene *scene, uint32_t queue);
 

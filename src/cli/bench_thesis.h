@@ -9,6 +9,7 @@
 #define THESIS_DEVICE "GeForce GTX 260+ (2010)"
 
 #define THESIS_RAYS_MB 188.0 // Table 1: per-ray data at 1024 x 1024
+#define THESIS_PIXELS  (1024.0 * 1024.0)
 #define THESIS_DECK_MB 528.0 // Table 1: all of DMDeck at 1024 x 1024
 
 /** Depths and shadow rays of Tables 2 and 3; index 0 and 1. */

@@ -57,6 +57,7 @@ static enum status print_info(const struct lk_scene_info *info, const struct lk_
         {"materials", "materials and textures", info->memory.materials},
         {"lights", "lights", info->memory.lights},
         {"rays", "rays", info->memory.rays},
+        {"samples", "samples", info->memory.samples},
         {"film", "film", info->memory.film},
         {"total_device", "total on the device", info->memory.total_device},
         {"peak_host", "host, so far", info->memory.peak_host},

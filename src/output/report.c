@@ -119,6 +119,7 @@ static void write_memory(struct json *json, const struct lk_memory *memory)
     json_uint(json, "materials", memory->materials);
     json_uint(json, "lights", memory->lights);
     json_uint(json, "rays", memory->rays);
+    json_uint(json, "samples", memory->samples);
     json_uint(json, "film", memory->film);
     json_uint(json, "total_device", memory->total_device);
     json_uint(json, "peak_host", memory->peak_host);

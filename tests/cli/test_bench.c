@@ -113,7 +113,7 @@ static void make_results(struct bench_results *out, bool as_thesis)
     for (unsigned i = 0; i < 2; i++) {
         struct bench_scene *scene = &out->scenes[i];
         scene->thesis = thesis_find("cornell");
-        scene->queue = 1000;
+        scene->queue = 1000000;
         scene->used.rays = as_thesis ? 50000000 : 500000000;
         scene->small_queue = scene->queue;
         for (int s = 0; s < 2; s++) {
