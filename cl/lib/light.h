@@ -122,11 +122,13 @@ static inline float2 light_place(const uint type, const float u0, const float u1
 
 // Samples one light from p. Radiance is 0 where nothing comes.
 //
+//   normal  geometric, of the surface at p: what comes from below it does not count
 //   u0, u1  uniform numbers: the place on the light
 static inline struct light_sample light_sample(__global const struct light *lights,
                                                __global const struct light_shape *shapes,
                                                const uint index, const struct surface *surface,
-                                               const float3 p, const float u0, const float u1)
+                                               const float3 p, const float3 normal, const float u0,
+                                               const float u1)
 {
     const struct light light = lights[index];
     const uint kind = as_uint(light.color_kind.w);
@@ -149,7 +151,7 @@ static inline struct light_sample light_sample(__global const struct light *ligh
         if (kind & LIGHT_TWO_SIDED)
             height = fabs(height);
         place = light_place(type, u0, u1);
-        if (height > 0.0f)
+        if (height > 0.0f && !light_is_below(normal, way, shape.edge_u.xyz, shape.edge_v.xyz))
             angle = light_near_draw(&place, type, way, shape.edge_u.xyz, shape.edge_v.xyz, u0, u1);
         way += place.x * shape.edge_u.xyz + place.y * shape.edge_v.xyz;
     }

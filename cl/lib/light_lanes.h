@@ -58,6 +58,16 @@ static inline int8 light_lanes_are_near(const int8 type, const struct lanes3 cor
            (lanes3_dot(middle, middle) < LIGHT_NEAR_SPHERES * radius2);
 }
 
+// light_is_below()
+static inline int8 light_lanes_are_below(const struct lanes3 normal, const struct lanes3 corner,
+                                         const struct lanes3 edge_u, const struct lanes3 edge_v)
+{
+    const float8 zero = (float8)(0.0f);
+    return lanes3_dot(normal, corner) + max8(lanes3_dot(normal, edge_u), zero) +
+               max8(lanes3_dot(normal, edge_v), zero) <
+           0.0f;
+}
+
 // light_near_draw() of those lanes that have a bit. Returns the lights' solid angles, 0 of others.
 //
 //   s, t    in, out: places along the lights' edges
@@ -97,13 +107,12 @@ static inline float8 light_lanes_draw_near(float8 *s, float8 *t,
 //
 //   index   of the lights
 //   bits    lanes that count
+//   normal  geometric, of the surfaces at p: what comes from below them does not count
 //   u0, u1  uniform numbers: the place on the light
-static inline struct light_lanes light_lanes_sample(__global const struct light *lights,
-                                                    __global const struct light_shape *shapes,
-                                                    const uint *index, const uint bits,
-                                                    const struct surface *surface,
-                                                    const struct lanes3 p, const float8 u0,
-                                                    const float8 u1)
+static inline struct light_lanes light_lanes_sample(
+    __global const struct light *lights, __global const struct light_shape *shapes,
+    const uint *index, const uint bits, const struct surface *surface, const struct lanes3 p,
+    const struct lanes3 normal, const float8 u0, const float8 u1)
 {
     const struct lanes4 org_range = LANES_OF(lights, index, .org_range);
     const struct lanes4 color_kind = LANES_OF(lights, index, .color_kind);
@@ -118,8 +127,9 @@ static inline struct light_lanes light_lanes_sample(__global const struct light 
     struct lanes4 edge_v = {0.0f, 0.0f, 0.0f, 0.0f};
     float8 s = u0;
     float8 t = u1;
-    float8 angle = (float8)(0.0f);  // of lights that are near
     float8 height = (float8)(0.0f); // of p over the sides that emit, m
+    float8 angle = (float8)(0.0f);  // of lights that are near
+    uint near = 0;                  // bits of those
     struct lanes3 way = lanes3_sub(lanes3_xyz(org_range), p);
     if (lanes_bits(type != LIGHT_POINT) != 0) {
         uint shape[LANES];
@@ -140,8 +150,9 @@ static inline struct light_lanes light_lanes_sample(__global const struct light 
             s = is_disc ? sqrt(u0) * cosine : s;
             t = is_disc ? sqrt(u0) * sine : t;
         }
-        const uint near =
-            bits & lanes_bits(light_lanes_are_near(type, way, u, v) & (height > 0.0f));
+        near = bits & lanes_bits(light_lanes_are_near(type, way, u, v) & (height > 0.0f));
+        if (near != 0)
+            near &= ~lanes_bits(light_lanes_are_below(normal, way, u, v));
         if (near != 0)
             angle = light_lanes_draw_near(&s, &t, lights, shapes, index, near, way, u0, u1);
         const struct lanes3 there = lanes3_muladd(u, s, lanes3_muladd(v, t, way));
@@ -165,8 +176,9 @@ static inline struct light_lanes light_lanes_sample(__global const struct light 
     if (asked != 0)
         emission = light_lanes_emission(surface, asked, triangle, color, s, t);
     const float8 zero = (float8)(0.0f);
-    const float8 by_area = distance2 * out.distance / (height * edge_u.w);
-    out.density = is_lit ? (angle > 0.0f ? 1.0f / angle : by_area) : zero;
+    out.density = is_lit ? distance2 * out.distance / (height * edge_u.w) : zero;
+    if (near != 0)
+        out.density = lanes_mask(near) & (angle > 0.0f) ? 1.0f / angle : out.density;
     out.is_hittable = is_lit & (triangle != EMITTER_NONE);
     out.radiance = lanes3_select(is_lit, emission, lanes3_scale(color, is_surface ? zero : weight));
     out.radiance = lanes3_select(distance2 > 0.0f, out.radiance, lanes3_make(zero, zero, zero));

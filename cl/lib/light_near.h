@@ -88,7 +88,8 @@ static inline float3 light_view_draw(const struct light_view *view, const float 
     return share * corner + (1.0f - u1 * most - share * (1.0f - most)) * view->v1;
 }
 
-// A light as seen from a point: a triangle, or the two halves of a rectangle.
+// A light as seen from a point: a triangle, or the two halves of a rectangle. The second half goes
+// on where the first ends, about the same v1, so that near numbers draw near places.
 struct light_near {
     struct light_view first, second;
     float angle; // its solid angle, sr; 0 where it is not near, and sampled by area
@@ -104,8 +105,7 @@ static inline struct light_near light_near_make(const uint type, const float3 co
     out.angle = 0.0f;
     if (type != LIGHT_TRIANGLE && type != LIGHT_RECTANGLE)
         return out;
-    const float3 diagonal = edge_u + edge_v;
-    const float3 middle = corner + 0.5f * diagonal;
+    const float3 middle = corner + 0.5f * (edge_u + edge_v);
     const float radius2 = 0.25f * (dot(edge_u, edge_u) + dot(edge_v, edge_v));
     if (!(dot(middle, middle) < LIGHT_NEAR_SPHERES * radius2))
         return out;
@@ -113,11 +113,22 @@ static inline struct light_near light_near_make(const uint type, const float3 co
     out.first = light_view_make(corner, edge_u, edge_v);
     float angle = out.first.angle;
     if (type == LIGHT_RECTANGLE) {
-        out.second = light_view_make(corner + diagonal, -edge_u, -edge_v);
+        out.second = light_view_make(corner + edge_v, edge_u - edge_v, edge_u);
         angle += out.second.angle;
     }
     out.angle = angle > LIGHT_NEAR_LEAST ? angle : 0.0f;
     return out;
+}
+
+// Whether no part of a light, or of what makes it a parallelogram, is above a surface at the point:
+// then no light comes from it, and no place on it is worth much thought.
+//
+//   normal  of the surface
+static inline bool light_is_below(const float3 normal, const float3 corner, const float3 edge_u,
+                                  const float3 edge_v)
+{
+    return dot(normal, corner) + max2(dot(normal, edge_u), 0.0f) + max2(dot(normal, edge_v), 0.0f) <
+           0.0f;
 }
 
 // Draws a place on a light that is near, evenly in solid angle. Returns that angle; where the light
