@@ -178,7 +178,7 @@ static inline struct light_lanes light_lanes_sample(
     const float8 zero = (float8)(0.0f);
     out.density = is_lit ? distance2 * out.distance / (height * edge_u.w) : zero;
     if (near != 0)
-        out.density = lanes_mask(near) & (angle > 0.0f) ? 1.0f / angle : out.density;
+        out.density = angle > 0.0f ? 1.0f / angle : out.density;
     out.is_hittable = is_lit & (triangle != EMITTER_NONE);
     out.radiance = lanes3_select(is_lit, emission, lanes3_scale(color, is_surface ? zero : weight));
     out.radiance = lanes3_select(distance2 > 0.0f, out.radiance, lanes3_make(zero, zero, zero));
