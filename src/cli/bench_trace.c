@@ -143,7 +143,7 @@ static enum status measure(struct bench *b)
     if (status == STATUS_OK)
         status = (enum status)lk_scene_geometry(&b->geometry, b->scene);
     if (status == STATUS_OK)
-        status = ray_sets_make(b->sets, b->scene, b->rows[0].tracer);
+        status = ray_sets_make(b->sets, b->scene, b->rows[0].tracer, b->options->views);
     for (int i = 0; i < RAY_CLASSES && status == STATUS_OK; i++)
         status = measure_class(b, (enum ray_class)i, hits);
     free(hits);
@@ -187,9 +187,9 @@ static void print_row(const struct bench *b, const struct row *row)
 static void print_table(const struct bench *b)
 {
     const struct lk_tracer_info *info = lk_tracer_info(b->rows[0].tracer);
-    printf("%s, %llu triangles, %u x %u, %s\n", b->options->operands[1],
+    printf("%s, %llu triangles, %u x %u, %u view%s, %s\n", b->options->operands[1],
            (unsigned long long)b->geometry.triangle_count, info->width, info->height,
-           info->device.name);
+           b->options->views, b->options->views > 1 ? "s" : "", info->device.name);
     printf("Mrays/s: median of %u runs (least-most)\n", b->options->runs);
     printf("%-28s %7s %7s", "variant", "build s", "MB");
     for (int k = 0; k < RAY_CLASSES; k++)
@@ -250,6 +250,7 @@ static enum status print_json(const struct bench *b)
     json_uint(&json, "triangles", b->geometry.triangle_count);
     json_uint(&json, "width", info->width);
     json_uint(&json, "height", info->height);
+    json_uint(&json, "views", b->options->views);
     json_uint(&json, "runs", b->options->runs);
     json_array(&json, "variants");
     for (size_t i = 0; i < VARIANT_COUNT; i++)

@@ -85,6 +85,7 @@ const struct option option_table[] = {
     {"reference", 0, BENCH, "PATH", "lights: image of this scene; report: folder", "rendered", TEXT(reference)},
     {"reference-time", 0, BENCH, "S", "seconds to render a reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
     {"runs", 0, BENCH, "N", "trace, path: measured runs of each kind", NULL, UINT(runs, 1, 1000)},
+    {"views", 0, BENCH, "N", "trace: the camera's view, or so many from all over the level", NULL, UINT(views, 1, 4096)},
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},
@@ -108,7 +109,8 @@ _Static_assert(sizeof(enum lk_trace) == sizeof(int), "choices are stored as int"
 
 void options_init(struct options *options)
 {
-    *options = (struct options){.log_level = LK_LOG_WARNING, .runs = 7, .out = "build/bench"};
+    *options =
+        (struct options){.log_level = LK_LOG_WARNING, .runs = 7, .views = 1, .out = "build/bench"};
     lk_settings_init(&options->settings);
 }
 
