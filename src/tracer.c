@@ -103,6 +103,7 @@ static enum status upload_solid(struct lk_tracer *t, const struct lk_scene *scen
         .bvh = prepared.bvh,
         .wide = prepared.wide,
         .quad = prepared.quad,
+        .compressed = prepared.compressed,
         .emitters = &no_emitters,
         .environment = &no_environment,
         .light_tree = &no_tree,

@@ -186,14 +186,15 @@ enum lk_trace {
     LK_TRACE_SIMPLE,     // one ray a work item
     LK_TRACE_PERSISTENT, // work fetched from a queue (Aila & Laine 2009)
     LK_TRACE_POSTPONING, // one ray a work item; a warp tests leaves together (NVIDIA)
-    LK_TRACE_WARPS       // the same, with a queue for each warp, or over LK_BVH_QUAD for each lane
+    LK_TRACE_WARPS       // the same, with a queue for each warp, or over wider BVHs for each lane
 };
 
 enum lk_bvh {
-    LK_BVH_AUTO,   // by the device
-    LK_BVH_BINARY, // the thesis's
-    LK_BVH_WIDE,   // 8 children a node, triangles by four: for CPUs
-    LK_BVH_QUAD    // 4 children a node, boxes as bytes: for GPUs
+    LK_BVH_AUTO,      // by the device
+    LK_BVH_BINARY,    // the thesis's
+    LK_BVH_WIDE,      // 8 children a node, triangles by four: for CPUs
+    LK_BVH_QUAD,      // 4 children a node, boxes as bytes: for GPUs
+    LK_BVH_COMPRESSED // 8 children a node, boxes as bytes (Ylitie et al. 2017): for GPUs
 };
 
 enum lk_bvh_build {

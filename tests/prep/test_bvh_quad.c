@@ -64,7 +64,7 @@ static void load_box(double *lo, double *hi, const struct quad_node *node, uint3
     memcpy(&scale[1], &node->planes[1].z, sizeof(scale[1]));
     memcpy(&scale[2], &node->planes[1].w, sizeof(scale[2]));
     for (int k = 0; k < 3; k++) {
-        const double cell = ldexp((double)scale[k], -QUAD_SHIFT);
+        const double cell = ldexp((double)scale[k], -BYTE_PLANE_SHIFT);
         lo[k] = origin[k] + cell * bytes[8 * k + (int)child];
         hi[k] = origin[k] + cell * bytes[8 * k + 4 + (int)child];
     }
