@@ -6,6 +6,7 @@
 #include "core/clock.h"
 #include "engine.h"
 #include "pipeline/stages.h"
+#include "prep/bvh_visits.h"
 #include "prep/camera.h"
 #include "prep/samples.h"
 #include "prepare.h"
@@ -86,6 +87,28 @@ bool lk_scene_light(float place[4], const struct lk_scene *scene, size_t index)
     place[2] = -dir.z;
     place[3] = 0.0f;
     return true;
+}
+
+enum lk_status lk_scene_visits(struct lk_visits *out, struct lk_scene *scene,
+                               const struct lk_settings *settings, const struct lk_ray *rays,
+                               uint32_t count, uint32_t step, bool any_hit)
+{
+    struct lk_settings plain = *settings;
+    plain.light_sampler = LK_LIGHTS_UNIFORM; // needs no preparation
+    const enum status status = prepare_scene(scene, &plain, 1u << LK_BVH_BINARY);
+    if (status != STATUS_OK)
+        return (enum lk_status)status;
+    struct bvh_visits sum = {0};
+    uint32_t looked_at = 0;
+    for (uint32_t i = 0; i < count; i += step) {
+        struct ray ray;
+        memcpy(&ray, &rays[i], sizeof(ray));
+        bvh_count_visits(&sum, &scene->prepared.bvh, &ray, any_hit);
+        looked_at++;
+    }
+    const double share = looked_at > 0 ? 1.0 / looked_at : 0.0;
+    *out = (struct lk_visits){share * (double)sum.nodes, share * (double)sum.references};
+    return LK_OK;
 }
 
 // Uploads the BVH alone.
