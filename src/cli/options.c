@@ -69,7 +69,7 @@ const struct option option_table[] = {
     HEADING(SIZED, "Device and kernels"),
     {"device", 0, BOTH, "LIST", "cpu, gpu, P:D, part of a name; or a list; or all", "the best", TEXT(settings.device)},
     {"trace", 0, BOTH, NULL, "a ray per item, a work queue, or by warps (NVIDIA)", NULL, CHOICE(settings.trace, choices_trace)},
-    {"bvh", 0, SIZED, NULL, "layout; wide is for CPUs, quad and compressed for GPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
+    {"bvh", 0, SIZED, NULL, "layout; wide: CPUs; quad, compressed: GPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
     {"bvh-build", 0, SIZED, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},
     {"textures", 0, RENDER | INFO, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
     {"nodes", 0, RENDER, NULL, "where kernels read the binary BVH's nodes from", NULL, CHOICE(settings.nodes, choices_nodes)},
