@@ -49,6 +49,8 @@ static enum status build_bvh(struct prepared *out, const struct geometry *geomet
         status = wide_bvh_pack(&out->wide, &bvh, refs, geometry, materials);
     if (status == STATUS_OK && request->quad)
         status = quad_bvh_pack(&out->quad, &bvh, refs, geometry, materials);
+    if (status == STATUS_OK && request->compressed)
+        status = compressed_bvh_pack(&out->compressed, &bvh, refs, geometry, materials);
     if (status == STATUS_OK && request->binary)
         status = bvh_pack(&out->bvh, &bvh, refs, geometry, materials);
     out->reference_count = bvh.ref_count;
@@ -63,7 +65,7 @@ static bool serves(const struct bvh_request *built, const struct bvh_request *as
     return built->split_threshold == asked->split_threshold &&
            built->leaf_size == asked->leaf_size && built->build == asked->build &&
            built->binary >= asked->binary && built->wide >= asked->wide &&
-           built->quad >= asked->quad;
+           built->quad >= asked->quad && built->compressed >= asked->compressed;
 }
 
 static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
@@ -76,22 +78,26 @@ static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
                                 .binary = (layouts >> LK_BVH_BINARY & 1) != 0,
                                 .wide = (layouts >> LK_BVH_WIDE & 1) != 0,
                                 .quad = (layouts >> LK_BVH_QUAD & 1) != 0,
+                                .compressed = (layouts >> LK_BVH_COMPRESSED & 1) != 0,
                             }};
     if (serves(&p->bvh_request, &made.bvh_request))
         return STATUS_OK;
     const double start = clock_seconds();
     const enum status status = build_bvh(&made, &p->geometry, scene->materials);
     if (status != STATUS_OK) {
+        compressed_bvh_free(&made.compressed);
         quad_bvh_free(&made.quad);
         wide_bvh_free(&made.wide);
         return status;
     }
+    compressed_bvh_free(&p->compressed);
     quad_bvh_free(&p->quad);
     wide_bvh_free(&p->wide);
     packed_bvh_free(&p->bvh);
     p->bvh = made.bvh;
     p->wide = made.wide;
     p->quad = made.quad;
+    p->compressed = made.compressed;
     p->reference_count = made.reference_count;
     p->bvh_request = made.bvh_request;
     p->bvh_s = clock_seconds() - start;
@@ -191,6 +197,7 @@ void prepared_free(struct prepared *prepared)
     light_bvh_free(&prepared->light_bvh);
     light_tree_free(&prepared->light_tree);
     emitters_free(&prepared->emitters);
+    compressed_bvh_free(&prepared->compressed);
     quad_bvh_free(&prepared->quad);
     wide_bvh_free(&prepared->wide);
     packed_bvh_free(&prepared->bvh);
@@ -209,12 +216,14 @@ struct upload_source prepared_source(const struct lk_scene *scene, enum lk_bvh l
     static const struct packed_bvh no_binary;
     static const struct wide_bvh no_wide;
     static const struct quad_bvh no_quad;
+    static const struct compressed_bvh no_compressed;
     const struct prepared *prepared = &scene->prepared;
     const struct upload_source source = {
         .geometry = &prepared->geometry,
         .bvh = layout == LK_BVH_BINARY ? &prepared->bvh : &no_binary,
         .wide = layout == LK_BVH_WIDE ? &prepared->wide : &no_wide,
         .quad = layout == LK_BVH_QUAD ? &prepared->quad : &no_quad,
+        .compressed = layout == LK_BVH_COMPRESSED ? &prepared->compressed : &no_compressed,
         .emitters = &prepared->emitters,
         .environment = &scene->surroundings.environment,
         .light_tree = &prepared->light_tree,

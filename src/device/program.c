@@ -38,6 +38,7 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "PERSISTENT", chosen->persistent);
     add_define(options, text, "BVH_WIDE", chosen->bvh_wide);
     add_define(options, text, "BVH_QUAD", chosen->bvh_quad);
+    add_define(options, text, "BVH_COMPRESSED", chosen->bvh_compressed);
     if (chosen->warp_votes)
         add_define(options, text, "WARP_VOTES", 1);
     add_define(options, text, "NODES_IMAGE", chosen->nodes_image);

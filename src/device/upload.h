@@ -10,6 +10,7 @@
 
 #include "core/status.h"
 #include "device/buffer.h"
+#include "prep/bvh_compressed.h"
 #include "prep/bvh_pack.h"
 #include "prep/bvh_quad.h"
 #include "prep/bvh_wide.h"
@@ -26,6 +27,7 @@ struct upload_source {
     const struct packed_bvh *bvh; // the layout that kernels are built for;
     const struct wide_bvh *wide;  // of the BVHs, those of other layouts are empty
     const struct quad_bvh *quad;
+    const struct compressed_bvh *compressed;
     const struct emitters *emitters;
     const struct environment *environment;
     const struct light_tree *light_tree; // the one that the sampler needs,
@@ -40,8 +42,7 @@ struct upload_sizes {
 
 /** All zero is a valid empty one. */
 struct device_scene {
-    struct buffer
-        nodes; // struct bvh_node, or a view of them as a 1D texture, or wide_node or quad_node
+    struct buffer nodes; // struct bvh_node, or a view of them as a 1D texture, or another layout's
     struct buffer node_rows;  // what the view views; empty without one
     struct buffer woop, refs; // struct woop, or woop_block
     struct buffer vertices, colors, tangents, triangles, triangle_emitters;

@@ -22,7 +22,7 @@ size_t stage_loop_items(const struct stage_context *context, const struct kernel
 struct program_options stage_shadow_options(const struct program_options *options)
 {
     struct program_options own = *options;
-    if (own.bvh_quad && own.warp_votes)
+    if ((own.bvh_quad || own.bvh_compressed) && own.warp_votes)
         own.persistent = false;
     return own;
 }

@@ -1,5 +1,6 @@
 #include "prep/bvh_pack.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,6 +56,27 @@ uint32_t bvh_ref_word(const struct geometry *geometry, const struct scene_materi
     const struct scene_material *material = &materials[geometry->triangles[triangle].material];
     const bool passes = material->masked || material->blended || scene_material_transmits(material);
     return triangle | (passes ? BVH_REF_ALPHA : 0u);
+}
+
+static bool is_repeated(const uint32_t *words, uint32_t count, uint32_t word)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (words[i] == word)
+            return true;
+    return false;
+}
+
+uint32_t bvh_ref_words(uint32_t *words, const struct bvh *bvh, uint32_t first, uint32_t count,
+                       const struct tri_ref *refs, const struct geometry *geometry,
+                       const struct scene_material *materials)
+{
+    uint32_t written = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+        const uint32_t word = bvh_ref_word(geometry, materials, refs[bvh->order[i]].triangle);
+        if (!is_repeated(words, written, word))
+            words[written++] = word;
+    }
+    return written;
 }
 
 enum status bvh_check_limits(const struct bvh *bvh)

@@ -17,7 +17,7 @@
 #include "trace_oracle.h"
 #include "trace_rays.h"
 
-#define VARIANT_COUNT 29
+#define VARIANT_COUNT 37
 #define BLENDED_ALPHA 0.4
 #define RAYS          2100u
 #define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
@@ -34,6 +34,8 @@ enum tree {
     TREE_WIDE_SPLIT,
     TREE_QUAD,
     TREE_QUAD_SPLIT,
+    TREE_COMPRESSED,
+    TREE_COMPRESSED_SPLIT,
     TREES
 };
 
@@ -68,6 +70,18 @@ static const struct variant all_variants[VARIANT_COUNT] = {
     {.tree = TREE_QUAD_SPLIT, .options = {.bvh_quad = true, .warp_votes = true}},
     {.tree = TREE_QUAD,
      .options = {.bvh_quad = true, .warp_votes = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED, .options = {.bvh_compressed = true}},
+    {.tree = TREE_COMPRESSED_SPLIT, .options = {.bvh_compressed = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED_SPLIT, .options = {.bvh_compressed = true, .persistent = true}},
+    {.tree = TREE_COMPRESSED,
+     .options = {.bvh_compressed = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED_SPLIT, .options = {.bvh_compressed = true, .warp_votes = true}},
+    {.tree = TREE_COMPRESSED,
+     .options = {.bvh_compressed = true, .warp_votes = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED,
+     .options = {.bvh_compressed = true, .warp_votes = true, .persistent = true}},
+    {.tree = TREE_COMPRESSED_SPLIT,
+     .options = {.bvh_compressed = true, .warp_votes = true, .persistent = true, .alpha = true}},
     {.tree = TREE_WIDE, .options = {.bvh_wide = true}, .packets = true},
     {.tree = TREE_WIDE_SPLIT, .options = {.bvh_wide = true, .alpha = true}, .packets = true},
     {.tree = TREE_WIDE,
@@ -112,6 +126,17 @@ static inline bool is_quad(enum tree tree)
     return tree == TREE_QUAD || tree == TREE_QUAD_SPLIT;
 }
 
+static inline bool is_compressed(enum tree tree)
+{
+    return tree == TREE_COMPRESSED || tree == TREE_COMPRESSED_SPLIT;
+}
+
+static inline bool is_split(enum tree tree)
+{
+    return tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT || tree == TREE_QUAD_SPLIT ||
+           tree == TREE_COMPRESSED_SPLIT;
+}
+
 static inline void build_variant(struct variant *variant, struct gpu *gpu)
 {
     uint32_t built = 0;
@@ -142,8 +167,10 @@ static inline struct fixture make_fixture(struct gpu *gpu)
         build_variant(variant, gpu);
     }
     for (enum tree tree = 0; tree < TREES; tree++) {
-        const struct program_options options = {
-            .alpha = true, .bvh_wide = is_wide(tree), .bvh_quad = is_quad(tree)};
+        const struct program_options options = {.alpha = true,
+                                                .bvh_wide = is_wide(tree),
+                                                .bvh_quad = is_quad(tree),
+                                                .bvh_compressed = is_compressed(tree)};
         if (tree != TREE_TEXTURE)
             f.any_hit[tree] = device_program(gpu, "any_hit", &options);
     }
@@ -172,7 +199,8 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
     struct packed_bvh packed = {0};
     struct wide_bvh wide = {0};
     struct quad_bvh quad = {0};
-    if (tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT || tree == TREE_QUAD_SPLIT) {
+    struct compressed_bvh compressed = {0};
+    if (is_split(tree)) {
         assert_ok(sbvh_build(&bvh, refs, scene->ref_count, &scene->geometry, 8));
         assert_ok(bvh_reinsert(&bvh, refs, &scene->geometry));
     } else {
@@ -182,6 +210,9 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
         assert_ok(wide_bvh_pack(&wide, &bvh, refs, &scene->geometry, scene->scene_materials));
     else if (is_quad(tree))
         assert_ok(quad_bvh_pack(&quad, &bvh, refs, &scene->geometry, scene->scene_materials));
+    else if (is_compressed(tree))
+        assert_ok(
+            compressed_bvh_pack(&compressed, &bvh, refs, &scene->geometry, scene->scene_materials));
     else
         assert_ok(bvh_pack(&packed, &bvh, refs, &scene->geometry, scene->scene_materials));
     const struct material_set materials = {.materials = scene->materials,
@@ -190,12 +221,14 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
                                          .bvh = &packed,
                                          .wide = &wide,
                                          .quad = &quad,
+                                         .compressed = &compressed,
                                          .emitters = &no_emitters,
                                          .environment = &no_environment,
                                          .light_tree = &no_tree,
                                          .light_bvh = &no_bvh,
                                          .materials = &materials};
     assert_ok(upload(&scene->trees[tree], f->gpu, &source, tree == TREE_TEXTURE, false));
+    compressed_bvh_free(&compressed);
     quad_bvh_free(&quad);
     wide_bvh_free(&wide);
     packed_bvh_free(&packed);
