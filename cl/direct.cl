@@ -89,10 +89,18 @@ static inline struct shadow direct_weigh(__global const struct light *lights,
 
 #if SHADE_LANES
 
+// One light needs no choice, and that by eight walks is a seventh of this stage.
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+#define DIRECT_HAS_CHOICE(settings) ((settings)->light_count > 1)
+#else
+#define DIRECT_HAS_CHOICE(settings) true
+#endif
+
 // What eight hits choose lights by, and what they have chosen.
 struct direct_lanes {
     float p[3][LANES], normal[3][LANES];
     struct light_choice choices[LANES];
+    uint only; // bits of hits that are yet to take the only light
     uint light[LANES];
     float8 expected; // times a hit takes its light, on average
 };
@@ -103,6 +111,9 @@ static inline void direct_lanes_begin(struct direct_lanes *d, __constant struct 
                                       const struct lambert_lanes *b, uint bits, const uint round,
                                       const uint8 numbers)
 {
+    d->only = bits;
+    if (!DIRECT_HAS_CHOICE(settings))
+        return;
     uint number[LANES];
     vstore8(numbers, 0, number);
     vstore8(b->org.x, 0, d->p[0]);
@@ -127,6 +138,12 @@ static inline uint direct_lanes_next(struct direct_lanes *d, __constant struct s
     uint drawn = 0;
     uint8 lights = (uint8)(0u);
     d->expected = (float8)(1.0f);
+    if (!DIRECT_HAS_CHOICE(settings)) {
+        drawn = d->only;
+        d->only = 0;
+        d->expected = (float8)((float)settings->shadow_rays);
+        bits = 0;
+    }
     for (; bits != 0; bits &= bits - 1) {
         const uint k = lanes_lowest(bits);
         float expected;
