@@ -101,32 +101,39 @@ static inline uint shadow_lanes_set_one(struct shadow_lanes *shadows, const uint
     return 1u << lane;
 }
 
+// The share of light that comes along one of them.
+static inline float3 shadow_lanes_share(const struct shadow_lanes *shadows, BVH_NODES nodes,
+                                        const struct traced *scene, const uint *slots, const uint k,
+                                        __global const struct ray *rays)
+{
+    return traverse_light(nodes, scene, rays[slots[k]].org.xyz,
+                          (float3)(shadows->dir_x[k], shadows->dir_y[k], shadows->dir_z[k]),
+                          shadows->reach[k]);
+}
+
 // What the shadow rays bring: those of `bits` are traced from the slots' points, others bring
-// nothing. Where nothing lets a part of the light by, a bit for each ray is all that lives across
-// the traversal, which needs the registers.
+// nothing.
 static inline struct lanes3 shadow_lanes_trace(const struct shadow_lanes *shadows, BVH_NODES nodes,
                                                const struct traced *scene, const uint *slots,
                                                uint bits, __global const struct ray *rays)
 {
     const float8 zero = (float8)(0.0f);
     const struct lanes3 none = {zero, zero, zero};
-    uint open = 0; // rays with a share
 #if ALPHA
     struct lanes3 shares = none;
-#endif
     for (; bits != 0; bits &= bits - 1) {
         const uint k = lanes_lowest(bits);
-        const float3 share = traverse_light(
-            nodes, scene, rays[slots[k]].org.xyz,
-            (float3)(shadows->dir_x[k], shadows->dir_y[k], shadows->dir_z[k]), shadows->reach[k]);
-#if ALPHA
-        shares = lanes3_put(shares, k, share);
-#endif
-        open |= share.x > 0.0f ? 1u << k : 0u;
+        shares = lanes3_put(shares, k, shadow_lanes_share(shadows, nodes, scene, slots, k, rays));
     }
-#if ALPHA
     return lanes3_mul(shadows->value, shares);
 #else
+    // All comes or nothing: a bit for each ray is all that lives on while rays are traced.
+    uint open = 0;
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        if (shadow_lanes_share(shadows, nodes, scene, slots, k, rays).x > 0.0f)
+            open |= 1u << k;
+    }
     return lanes3_select(lanes_mask(open), shadows->value, none);
 #endif
 }

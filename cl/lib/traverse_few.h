@@ -11,7 +11,7 @@
 #define LIB_TRAVERSE_FEW_H
 
 #include "lib/lanes.h"
-#include "lib/traced.h"
+#include "lib/traverse_wide.h"
 
 // The nearest hits of eight rays.
 struct few_hits {
