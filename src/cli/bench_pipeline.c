@@ -140,7 +140,7 @@ static enum status alone_begin(struct alone *out, const struct lk_settings *aske
                 (enum status)lk_tracer_create(&out->rates[way].tracer, out->scenes[way], &settings);
     }
     if (status == STATUS_OK)
-        status = ray_sets_make(out->sets, out->scenes[0], out->rates[0].tracer);
+        status = ray_sets_make(out->sets, out->scenes[0], out->rates[0].tracer, 1);
     for (int way = 0; way < WAYS && status == STATUS_OK; way++)
         status = ray_rates_warm_up(&out->rates[way], out->sets);
     return status;
