@@ -16,32 +16,7 @@
 #include <unistd.h>
 
 #include "core/file.h"
-
-static char folder[64]; // empty at the start of every test
-
-static int make_folder(void **state)
-{
-    (void)state;
-    strcpy(folder, "/tmp/lightkiln-test-XXXXXX");
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof(command), "rm -rf '%s'", folder);
-    return system(command);
-}
-
-static const char *in_folder(const char *name)
-{
-    static char paths[4][512];
-    static int next;
-    char *path = paths[next++ % 4];
-    snprintf(path, sizeof(paths[0]), "%s/%s", folder, name);
-    return path;
-}
+#include "folder.h"
 
 static int entry_count(void)
 {
@@ -164,7 +139,7 @@ static void check_tells_what_cannot_be_written(void **state)
     assert_int_equal(file_check_writable(""), STATUS_WRITE);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, make_folder, remove_folder)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, folder_setup, folder_teardown)
 
 int main(void)
 {

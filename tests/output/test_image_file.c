@@ -16,42 +16,23 @@
 #include "film/tonemap.h"
 #include "output/image_file.h"
 #include "scene/image_io.h"
+#include "folder.h"
 
 #define WIDTH  7u
 #define HEIGHT 5u
 
-static char folder[64];
 static float picture[WIDTH * HEIGHT * 3];
 static struct lk_render_info info;
 
-static int make_folder(void **state)
+static int make_picture(void **state)
 {
-    (void)state;
     for (unsigned i = 0; i < WIDTH * HEIGHT * 3; i++)
         picture[i] = (float)i * 0.03125f;
     info.spp = 16.0;
     info.settings.seed = 7;
     info.device_count = 1;
     strcpy(info.devices[0].info.name, "a device");
-    strcpy(folder, "/tmp/lightkiln-test-XXXXXX");
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof(command), "rm -rf '%s'", folder);
-    return system(command);
-}
-
-static const char *in_folder(const char *name)
-{
-    static char paths[4][512];
-    static int next;
-    char *path = paths[next++ % 4];
-    snprintf(path, sizeof(paths[0]), "%s/%s", folder, name);
-    return path;
+    return folder_setup(state);
 }
 
 static enum status write_picture(const char *path)
@@ -181,7 +162,7 @@ static void public_image_functions_agree(void **state)
     lk_image_free(NULL);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, make_folder, remove_folder)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, make_picture, folder_teardown)
 
 int main(void)
 {

@@ -13,43 +13,24 @@
 #include "core/file.h"
 #include "core/status.h"
 #include "scene/image_io.h"
+#include "folder.h"
 
 #define WIDTH  5u
 #define HEIGHT 3u
 
-static char folder[] = "/tmp/lightkiln-image-XXXXXX";
 static float picture[WIDTH * HEIGHT * 3];
 
-static int make_folder(void **state)
+static int make_picture(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < WIDTH * HEIGHT * 3; i++)
         picture[i] = (float)(i * i % 97) / 96.0f;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[64];
-    snprintf(command, sizeof(command), "rm -r '%s'", folder);
-    return system(command);
-}
-
-// The path of a file in the test's folder; valid until the next call but one.
-static const char *path_of(const char *name)
-{
-    static char paths[2][128];
-    static int turn;
-    turn = !turn;
-    snprintf(paths[turn], sizeof(paths[turn]), "%s/%s", folder, name);
-    return paths[turn];
+    return folder_setup(state);
 }
 
 static void write_picture(const char *name)
 {
     const struct image_attribute attributes[] = {{"lightkiln:seed", "7"}};
-    assert_int_equal(image_write_rgb(path_of(name), picture, WIDTH, HEIGHT, attributes, 1),
+    assert_int_equal(image_write_rgb(in_folder(name), picture, WIDTH, HEIGHT, attributes, 1),
                      STATUS_OK);
 }
 
@@ -59,7 +40,7 @@ static float largest_error(const char *name, float (*expect)(float))
     float *rgb = NULL;
     uint32_t width = 0;
     uint32_t height = 0;
-    assert_int_equal(image_read_rgb(&rgb, &width, &height, path_of(name)), STATUS_OK);
+    assert_int_equal(image_read_rgb(&rgb, &width, &height, in_folder(name)), STATUS_OK);
     assert_int_equal(width, WIDTH);
     assert_int_equal(height, HEIGHT);
     float largest = 0.0f;
@@ -120,7 +101,7 @@ static void equal_pictures_are_equal_files(void **state)
         size_t sizes[2];
         write_picture(names[i][1]);
         for (int k = 0; k < 2; k++)
-            assert_int_equal(file_read(&bytes[k], &sizes[k], path_of(names[i][k])), STATUS_OK);
+            assert_int_equal(file_read(&bytes[k], &sizes[k], in_folder(names[i][k])), STATUS_OK);
         assert_int_equal(sizes[0], sizes[1]);
         assert_memory_equal(bytes[0], bytes[1], sizes[0]);
         free(bytes[0]);
@@ -137,7 +118,7 @@ static void decoding_inverts_quantising(void **state)
     uint32_t width = 0;
     uint32_t height = 0;
     write_picture("decode.png");
-    assert_int_equal(file_read(&bytes, &size, path_of("decode.png")), STATUS_OK);
+    assert_int_equal(file_read(&bytes, &size, in_folder("decode.png")), STATUS_OK);
     assert_int_equal(image_decode(&rgba, &width, &height, bytes, size, "decode.png"), STATUS_OK);
     assert_int_equal(width, WIDTH);
     assert_int_equal(height, HEIGHT);
@@ -179,7 +160,7 @@ static void every_cut_of_an_image_is_refused(void **state)
         char *bytes = NULL;
         size_t size = 0;
         write_picture(names[n]);
-        assert_int_equal(file_read(&bytes, &size, path_of(names[n])), STATUS_OK);
+        assert_int_equal(file_read(&bytes, &size, in_folder(names[n])), STATUS_OK);
         for (size_t cut = 0; cut < size; cut++) {
             uint8_t *rgba = NULL;
             uint32_t width = 0;
@@ -196,15 +177,16 @@ static void every_cut_of_an_image_is_refused(void **state)
 static void unknown_names_are_refused(void **state)
 {
     (void)state;
-    assert_int_equal(image_write_rgb(path_of("a.bmp"), picture, WIDTH, HEIGHT, NULL, 0),
+    assert_int_equal(image_write_rgb(in_folder("a.bmp"), picture, WIDTH, HEIGHT, NULL, 0),
                      STATUS_USAGE);
-    assert_int_equal(image_write_rgb(path_of("a"), picture, WIDTH, HEIGHT, NULL, 0), STATUS_USAGE);
+    assert_int_equal(image_write_rgb(in_folder("a"), picture, WIDTH, HEIGHT, NULL, 0),
+                     STATUS_USAGE);
 }
 
 static void an_unwritable_place_is_a_status(void **state)
 {
     (void)state;
-    assert_int_equal(image_write_rgb(path_of("none/a.exr"), picture, WIDTH, HEIGHT, NULL, 0),
+    assert_int_equal(image_write_rgb(in_folder("none/a.exr"), picture, WIDTH, HEIGHT, NULL, 0),
                      STATUS_WRITE);
 }
 
@@ -214,7 +196,7 @@ static void a_missing_file_is_a_status(void **state)
     float *rgb = NULL;
     uint32_t width = 0;
     uint32_t height = 0;
-    assert_int_equal(image_read_rgb(&rgb, &width, &height, path_of("none.exr")), STATUS_IO);
+    assert_int_equal(image_read_rgb(&rgb, &width, &height, in_folder("none.exr")), STATUS_IO);
     assert_null(rgb);
 }
 
@@ -232,5 +214,5 @@ int main(void)
         cmocka_unit_test(an_unwritable_place_is_a_status),
         cmocka_unit_test(a_missing_file_is_a_status),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_picture, folder_teardown);
 }
