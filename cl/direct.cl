@@ -68,7 +68,8 @@ static inline struct shadow direct_weigh(__global const struct light *lights,
 {
     struct shadow out;
     out.value = (float3)(0.0f);
-    const struct light_sample sampled = light_sample(lights, shapes, light, surface, p, u0, u1);
+    const struct light_sample sampled =
+        light_sample(lights, shapes, light, surface, p, b->geometric, u0, u1);
     if (max3(sampled.radiance) <= 0.0f)
         return out;
     float density = 0.0f; // with which a bounce finds this direction
@@ -152,7 +153,7 @@ static inline uint direct_weigh_lanes(struct shadow_lanes *out, const struct dir
                                       const float8 u1)
 {
     const struct light_lanes sampled =
-        light_lanes_sample(lights, shapes, d->light, bits, surface, b->org, u0, u1);
+        light_lanes_sample(lights, shapes, d->light, bits, surface, b->org, b->geometric, u0, u1);
     const float8 cosine = lanes3_dot(b->normal, sampled.dir);
     const float8 density = cosine * INV_PI; // with which a bounce finds this direction
     struct lanes3 value = lanes3_mul(lanes3_scale(b->diffuse, density), sampled.radiance);

@@ -272,14 +272,13 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
                 float weight = 1.0f;
                 const uint emitter = triangle_emitters[hit.triangle];
                 if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
-                    const uint kind = as_uint(lights[emitter].color_kind.w);
-                    const float area = shapes[kind >> LIGHT_SHAPE_SHIFT].edge_u.w;
-                    const float cosine = fabs(dot(geometric, dir));
+                    const float density = light_hit_density(lights, shapes, emitter, org, hit.t,
+                                                            fabs(dot(geometric, dir)));
                     const float3 before =
                         normalize(oct_unpack(as_uint(paths[slot].radiance_normal.w)).xyz);
                     const float count = light_expected_count(settings, light_nodes, light_parents,
                                                              light_leaves, org, before, emitter);
-                    weight = mis_weight(rays[slot].dir.w, count * hit.t * hit.t / (area * cosine));
+                    weight = mis_weight(rays[slot].dir.w, count * density);
                 }
                 radiance += throughput * emission * weight;
             }

@@ -5,6 +5,7 @@
 #ifndef LIB_LIGHT_H
 #define LIB_LIGHT_H
 
+#include "lib/light_near.h"
 #include "lib/surface.h"
 #include "shared/light.h"
 #include "shared/rng.h"
@@ -109,7 +110,7 @@ static inline float3 light_triangle_emission(const struct surface *surface, cons
     return emission * texture_fetch_pool(surface->texels, slot, uv).xyz;
 }
 
-// The place of a sample on a surface light, from two uniform numbers.
+// The place of a sample on a surface light that is not near, from two uniform numbers.
 static inline float2 light_place(const uint type, const float u0, const float u1)
 {
     if (type == LIGHT_TRIANGLE && u0 + u1 > 1.0f) // fold the square onto the triangle
@@ -121,11 +122,13 @@ static inline float2 light_place(const uint type, const float u0, const float u1
 
 // Samples one light from p. Radiance is 0 where nothing comes.
 //
+//   normal  geometric, of the surface at p: what comes from below it does not count
 //   u0, u1  uniform numbers: the place on the light
 static inline struct light_sample light_sample(__global const struct light *lights,
                                                __global const struct light_shape *shapes,
                                                const uint index, const struct surface *surface,
-                                               const float3 p, const float u0, const float u1)
+                                               const float3 p, const float3 normal, const float u0,
+                                               const float u1)
 {
     const struct light light = lights[index];
     const uint kind = as_uint(light.color_kind.w);
@@ -138,15 +141,20 @@ static inline struct light_sample light_sample(__global const struct light *ligh
     // Find the point on the light.
     struct light_shape shape;
     float2 place = (float2)(0.0f);
-    float3 target = light.org_range.xyz;
+    float angle = 0.0f;  // of a light that is near
+    float height = 0.0f; // of p over the side that emits, m
+    float3 way = light.org_range.xyz - p;
     if (type != LIGHT_POINT)
         shape = shapes[kind >> LIGHT_SHAPE_SHIFT];
     if (type > LIGHT_SPOT) {
+        height = -dot(normalize(cross(shape.edge_u.xyz, shape.edge_v.xyz)), way);
+        if (kind & LIGHT_TWO_SIDED)
+            height = fabs(height);
         place = light_place(type, u0, u1);
-        target += place.x * shape.edge_u.xyz + place.y * shape.edge_v.xyz;
+        if (height > 0.0f && !light_is_below(normal, way, shape.edge_u.xyz, shape.edge_v.xyz))
+            angle = light_near_draw(&place, type, way, shape.edge_u.xyz, shape.edge_v.xyz, u0, u1);
+        way += place.x * shape.edge_u.xyz + place.y * shape.edge_v.xyz;
     }
-
-    const float3 way = target - p;
     const float distance2 = dot(way, way);
     out.distance = sqrt(distance2);
     out.dir = way / out.distance;
@@ -166,14 +174,11 @@ static inline struct light_sample light_sample(__global const struct light *ligh
         break;
     }
     default: {
-        const float3 normal = normalize(cross(shape.edge_u.xyz, shape.edge_v.xyz));
-        float cosine = -dot(normal, out.dir);
-        if (kind & LIGHT_TWO_SIDED)
-            cosine = fabs(cosine);
-        if (cosine <= 0.0f)
+        if (!(height > 0.0f))
             return out;
         const uint triangle = as_uint(shape.edge_v.w);
-        out.density = distance2 / (cosine * shape.edge_u.w);
+        out.density =
+            angle > 0.0f ? 1.0f / angle : distance2 * out.distance / (height * shape.edge_u.w);
         out.is_hittable = triangle != EMITTER_NONE;
         out.radiance =
             type == LIGHT_TRIANGLE
@@ -183,6 +188,23 @@ static inline struct light_sample light_sample(__global const struct light *ligh
     }
     }
     return out;
+}
+
+// The density, 1/sr, with which light_sample() at p draws the direction of a ray from there that
+// hits a surface light.
+//
+//   distance  of the hit, m
+//   cosine    there, between ray and normal, > 0
+static inline float light_hit_density(__global const struct light *lights,
+                                      __global const struct light_shape *shapes, const uint index,
+                                      const float3 p, const float distance, const float cosine)
+{
+    const struct light light = lights[index];
+    const uint kind = as_uint(light.color_kind.w);
+    const struct light_shape shape = shapes[kind >> LIGHT_SHAPE_SHIFT];
+    const struct light_near near = light_near_make(kind & LIGHT_TYPE_MASK, light.org_range.xyz - p,
+                                                   shape.edge_u.xyz, shape.edge_v.xyz);
+    return near.angle > 0.0f ? 1.0f / near.angle : distance * distance / (shape.edge_u.w * cosine);
 }
 
 #endif

@@ -188,12 +188,12 @@ static inline uint material_lanes(
             const uint emitter = triangle_emitters[h.triangle[k]];
             if (emitter == EMITTER_NONE)
                 continue;
-            const uint kind = as_uint(lights[emitter].color_kind.w);
-            const float area = shapes[kind >> LIGHT_SHAPE_SHIFT].edge_u.w;
-            const float count = light_expected_count(
-                settings, light_nodes, light_parents, light_leaves, rays[slots[k]].org.xyz,
-                (float3)(normal[0][k], normal[1][k], normal[2][k]), emitter);
-            weight[k] = mis_weight(densities[k], count * t[k] * t[k] / (area * cosines[k]));
+            const float3 org = rays[slots[k]].org.xyz;
+            const float density = light_hit_density(lights, shapes, emitter, org, t[k], cosines[k]);
+            const float count =
+                light_expected_count(settings, light_nodes, light_parents, light_leaves, org,
+                                     (float3)(normal[0][k], normal[1][k], normal[2][k]), emitter);
+            weight[k] = mis_weight(densities[k], count * density);
         }
         const float8 counts = shines ? vload8(0, weight) : (float8)(0.0f);
         radiance = lanes3_add(radiance, lanes3_mul(lanes3_scale(throughput, counts), emission));

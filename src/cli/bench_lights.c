@@ -79,10 +79,10 @@ static enum status print(const struct lights_row *rows, size_t count, const stru
                                 .title = "Light samplers at equal time",
                                 .columns = columns,
                                 .column_count = sizeof(columns) / sizeof(columns[0])};
-    struct json json = {0};
     enum status status = STATUS_OK;
     fill(&table, rows, count);
     if (options->json) {
+        struct json json = {0};
         bench_json_begin(&json, "lights", &info->device);
         json_string(&json, "scene", options->operands[1]);
         json_double(&json, "time_s", info->settings.time_s);
@@ -92,9 +92,7 @@ static enum status print(const struct lights_row *rows, size_t count, const stru
         json_uint(&json, "lights", info->scene.lights.drawn);
         bench_table_json(&json, &table);
         json_object_end(&json);
-        status = json_finish(&json);
-        if (status == STATUS_OK)
-            fputs(json.text, stdout);
+        status = json_print(&json);
     } else {
         printf("%s, %u x %u, depth %u, %g s each, %llu lights, %s\n", options->operands[1],
                info->settings.width, info->settings.height, info->settings.depth,
@@ -102,7 +100,6 @@ static enum status print(const struct lights_row *rows, size_t count, const stru
                info->device.name);
         bench_table_print(stdout, &table);
     }
-    json_free(&json);
     bench_table_free(&table);
     return status;
 }

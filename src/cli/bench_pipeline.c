@@ -159,10 +159,10 @@ static enum status print(const struct rate *rates, size_t count, const struct op
                                 .title = "Paths a second of the whole pipeline",
                                 .columns = columns,
                                 .column_count = sizeof(columns) / sizeof(columns[0])};
-    struct json json = {0};
     enum status status = STATUS_OK;
     fill(&table, rates, count, options->runs);
     if (options->json) {
+        struct json json = {0};
         bench_json_begin(&json, "path", &info->device);
         json_string(&json, "scene", options->operands[1]);
         json_uint(&json, "width", info->settings.width);
@@ -171,16 +171,13 @@ static enum status print(const struct rate *rates, size_t count, const struct op
         json_uint(&json, "runs", options->runs);
         bench_table_json(&json, &table);
         json_object_end(&json);
-        status = json_finish(&json);
-        if (status == STATUS_OK)
-            fputs(json.text, stdout);
+        status = json_print(&json);
     } else {
         printf("%s, %u x %u, %u shadow rays a hit, median of %u runs, %s\n", options->operands[1],
                info->settings.width, info->settings.height, info->settings.shadow_rays,
                options->runs, info->device.name);
         bench_table_print(stdout, &table);
     }
-    json_free(&json);
     bench_table_free(&table);
     return status;
 }

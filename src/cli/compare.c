@@ -25,11 +25,7 @@ static enum status print_json(const struct lk_comparison *c)
     write_three(&json, "reference_mean", c->reference_mean);
     json_uint(&json, "not_finite", c->not_finite);
     json_object_end(&json);
-    const enum status status = json_finish(&json);
-    if (status == STATUS_OK)
-        fputs(json.text, stdout);
-    json_free(&json);
-    return status;
+    return json_print(&json);
 }
 
 static void print_table(const struct lk_comparison *c)

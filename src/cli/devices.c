@@ -55,9 +55,7 @@ enum status command_devices(const struct options *options)
         status = STATUS_OK;
     if (options->json && status == STATUS_OK) {
         json_array_end(&json);
-        status = json_finish(&json);
-        if (status == STATUS_OK)
-            fputs(json.text, stdout);
+        status = json_print(&json);
     }
     json_free(&json);
     return status;

@@ -78,11 +78,7 @@ static enum status print_info(const struct lk_scene_info *info, const struct lk_
         json_uint(&json, "width", info->width);
         json_uint(&json, "height", info->height);
         json_object_end(&json);
-        const enum status status = json_finish(&json);
-        if (status == STATUS_OK)
-            fputs(json.text, stdout);
-        json_free(&json);
-        return status;
+        return json_print(&json);
     }
 
     printf("%s\n", info->file);

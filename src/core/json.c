@@ -209,6 +209,15 @@ enum status json_finish(struct json *json)
     return STATUS_OK;
 }
 
+enum status json_print(struct json *json)
+{
+    const enum status status = json_finish(json);
+    if (status == STATUS_OK)
+        fputs(json->text, stdout);
+    json_free(json);
+    return status;
+}
+
 void json_free(struct json *json)
 {
     free(json->text);

@@ -45,6 +45,9 @@ void json_null(struct json *json, const char *key);
 /** Ends the text with a line end (not a compact one). STATUS_NO_MEMORY if anything was lost. */
 enum status json_finish(struct json *json);
 
+/** As json_finish(), then prints the text on stdout, if nothing was lost, and releases it. */
+enum status json_print(struct json *json);
+
 /** Releases the text and leaves an empty one. */
 void json_free(struct json *json);
 

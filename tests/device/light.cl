@@ -26,15 +26,15 @@ TEST_KERNEL light_pmfs(__global const struct light_node *nodes, __global const u
         pmfs[i] = light_tree_pmf(nodes, parents, leaves, p.xyz, i);
 }
 
-// Samples one light from points[i] by numbers[i].
+// Samples one light from points[i], on a surface with this normal, by numbers[i].
 TEST_KERNEL light_samples(__global const struct light *lights,
                           __global const struct light_shape *shapes, const uint light,
                           __global const struct vertex *vertices,
                           __global const struct triangle *triangles,
                           __global const struct material *materials, __global const uint *texels,
-                          __global const float4 *points, __global const float4 *numbers,
-                          const uint count, __global float4 *dir_distance,
-                          __global float4 *radiance_density)
+                          __global const float4 *points, const float4 normal,
+                          __global const float4 *numbers, const uint count,
+                          __global float4 *dir_distance, __global float4 *radiance_density)
 {
     const uint i = get_global_id(0);
     if (i >= count)
@@ -45,19 +45,22 @@ TEST_KERNEL light_samples(__global const struct light *lights,
     surface.triangles = triangles;
     surface.materials = materials;
     surface.texels = texels;
-    const struct light_sample sampled =
-        light_sample(lights, shapes, light, &surface, points[i].xyz, numbers[i].x, numbers[i].y);
+    const struct light_sample sampled = light_sample(lights, shapes, light, &surface, points[i].xyz,
+                                                     normal.xyz, numbers[i].x, numbers[i].y);
     dir_distance[i] = (float4)(sampled.dir, sampled.distance);
     radiance_density[i] = (float4)(sampled.radiance, sampled.density);
 }
 
 // As light_samples, eight points an item; count is a multiple.
-TEST_KERNEL light_samples_by_eights(
-    __global const struct light *lights, __global const struct light_shape *shapes,
-    const uint light, __global const struct vertex *vertices,
-    __global const struct triangle *triangles, __global const struct material *materials,
-    __global const uint *texels, __global const float4 *points, __global const float4 *numbers,
-    const uint count, __global float4 *dir_distance, __global float4 *radiance_density)
+TEST_KERNEL light_samples_by_eights(__global const struct light *lights,
+                                    __global const struct light_shape *shapes, const uint light,
+                                    __global const struct vertex *vertices,
+                                    __global const struct triangle *triangles,
+                                    __global const struct material *materials,
+                                    __global const uint *texels, __global const float4 *points,
+                                    const float4 normal, __global const float4 *numbers,
+                                    const uint count, __global float4 *dir_distance,
+                                    __global float4 *radiance_density)
 {
     const uint first = get_global_id(0) * LANES;
     if (first >= count)
@@ -68,8 +71,26 @@ TEST_KERNEL light_samples_by_eights(
     vstore8((uint8)(light), 0, index);
     const struct lanes4 p = LANES_OF(points, slots, );
     const struct lanes4 u = LANES_OF(numbers, slots, );
+    const struct lanes3 up = {(float8)(normal.x), (float8)(normal.y), (float8)(normal.z)};
     const struct light_lanes sampled =
-        light_lanes_sample(lights, shapes, index, 0xffu, &surface, lanes3_xyz(p), u.x, u.y);
+        light_lanes_sample(lights, shapes, index, 0xffu, &surface, lanes3_xyz(p), up, u.x, u.y);
     LANES_STORE(dir_distance, slots, , 0xffu, lanes4_make(sampled.dir, sampled.distance));
     LANES_STORE(radiance_density, slots, , 0xffu, lanes4_make(sampled.radiance, sampled.density));
+}
+
+// The density of what light_samples draws, asked of rays from points[i] that hit the light.
+//
+//   rays  xyz unit direction; w distance
+TEST_KERNEL light_hit_densities(__global const struct light *lights,
+                                __global const struct light_shape *shapes,
+                                __global const float4 *points, __global const float4 *rays,
+                                const uint count, __global float4 *densities)
+{
+    const uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    const float3 normal = normalize(cross(shapes[0].edge_u.xyz, shapes[0].edge_v.xyz));
+    const float cosine = fabs(dot(normal, rays[i].xyz));
+    densities[i] = (float4)(light_hit_density(lights, shapes, 0, points[i].xyz, rays[i].w, cosine),
+                            cosine, 0.0f, 0.0f);
 }

@@ -59,7 +59,7 @@ TEST_KERNEL light_bvh_contributions(__global const struct light *lights,
         const uint4 bits = rng_bits(7, i, k, 3);
         const struct light_sample sampled =
             light_sample(lights, shapes, i % light_count, &surface, points[i / light_count].xyz,
-                         rng_unit(bits.x), rng_unit(bits.y));
+                         normals[i / light_count].xyz, rng_unit(bits.x), rng_unit(bits.y));
         const float cosine = dot(sampled.dir, normals[i / light_count].xyz);
         if (cosine > 0.0f)
             sum = max2(sum, cosine * max3(sampled.radiance));

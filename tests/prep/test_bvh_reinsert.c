@@ -13,36 +13,12 @@
 
 #include "prep/bvh_reinsert.h"
 #include "prep/bvh_trial.h"
-#include "prep_support.h"
 #include "shared/bvh.h"
+#include "tree_fixture.h"
 
-// A tree and what it was made of.
-struct fixture {
-    struct geometry geometry;
-    struct tri_ref *refs;
-    struct bvh bvh;
-};
-
-// Takes the geometry over.
-static struct fixture build(struct geometry geometry, uint32_t leaf_size)
-{
-    struct fixture f = {.geometry = geometry};
-    uint32_t ref_count;
-    assert_int_equal(presplit(&f.refs, &ref_count, &f.geometry, 0.0f), STATUS_OK);
-    assert_int_equal(bvh_build(&f.bvh, f.refs, ref_count, leaf_size), STATUS_OK);
-    return f;
-}
-
-static void reinsert(struct fixture *f)
+static void reinsert(struct tree *f)
 {
     assert_int_equal(bvh_reinsert(&f->bvh, f->refs, &f->geometry), STATUS_OK);
-}
-
-static void release(struct fixture *f)
-{
-    bvh_free(&f->bvh);
-    free(f->refs);
-    geometry_free(&f->geometry);
 }
 
 static void copy(struct bvh *out, const struct bvh *bvh)
@@ -86,7 +62,7 @@ static const struct bvh_build_node *find_leaf(const struct bvh *bvh, uint32_t re
 // Reinserts and checks all that must hold. Takes the geometry over.
 static void check_reinsert(struct geometry geometry, uint32_t leaf_size)
 {
-    struct fixture f = build(geometry, leaf_size);
+    struct tree f = tree_make(geometry, false, leaf_size);
     const struct bvh *bvh = &f.bvh;
     struct bvh old;
     double old_work, work;
@@ -112,7 +88,7 @@ static void check_reinsert(struct geometry geometry, uint32_t leaf_size)
     assert_true(work <= old_work);
     free(seen);
     bvh_free(&old);
-    release(&f);
+    tree_free(&f);
 }
 
 // ---- laws
@@ -160,7 +136,7 @@ static void what_was_mislaid_is_put_back(void **state)
     uint64_t seed = 3;
     for (uint32_t i = 0; i < 9 * 200; i++)
         corners[i] = (float)random_unit(&seed) + (i < 9 * 100 ? 0.0f : 1000.0f);
-    struct fixture f = build(make_geometry(corners, 200), 2);
+    struct tree f = tree_make(make_geometry(corners, 200), false, 2);
     const struct bvh bvh = f.bvh;
     const double good = bvh_sah_cost(&bvh);
 
@@ -183,7 +159,7 @@ static void what_was_mislaid_is_put_back(void **state)
     assert_true(bvh_sah_cost(&bvh) > good + 4.0);
     reinsert(&f);
     assert_true(bvh_sah_cost(&f.bvh) <= good * (1.0 + 1e-6));
-    release(&f);
+    tree_free(&f);
 }
 
 // Triangles of all sizes: a top-down builder puts large ones beside small ones.
@@ -201,28 +177,27 @@ static void triangles_of_all_sizes_become_cheaper(void **state)
                     (float)(org + size * random_unit(&seed));
         }
     }
-    struct fixture f = build(make_geometry(corners, 20000), 2);
+    struct tree f = tree_make(make_geometry(corners, 20000), false, 2);
     const double cost = bvh_sah_cost(&f.bvh);
     reinsert(&f);
     assert_true(bvh_sah_cost(&f.bvh) < 0.95 * cost);
-    release(&f);
+    tree_free(&f);
 }
 
 static void the_tree_is_the_same_for_any_number_of_threads(void **state)
 {
     (void)state;
     const int threads = omp_get_max_threads();
-    struct fixture one = build(make_soup(6, 30000, 10.0, 1.0), 2);
-    struct fixture many = build(make_soup(6, 30000, 10.0, 1.0), 2);
+    struct tree one = tree_make(make_soup(6, 30000, 10.0, 1.0), false, 2);
+    struct tree many = tree_make(make_soup(6, 30000, 10.0, 1.0), false, 2);
     omp_set_num_threads(1);
     reinsert(&one);
     omp_set_num_threads(5);
     reinsert(&many);
     omp_set_num_threads(threads);
-    assert_memory_equal(one.bvh.nodes, many.bvh.nodes, one.bvh.node_count * sizeof(*one.bvh.nodes));
-    assert_memory_equal(one.bvh.order, many.bvh.order, one.bvh.ref_count * sizeof(*one.bvh.order));
-    release(&many);
-    release(&one);
+    assert_same_tree(&one.bvh, &many.bvh);
+    tree_free(&many);
+    tree_free(&one);
 }
 
 int main(void)

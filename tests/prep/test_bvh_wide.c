@@ -10,9 +10,8 @@
 #include <stdbool.h>
 
 #include "prep/bvh_wide.h"
-#include "prep/sbvh.h"
 #include "prep/woop.h"
-#include "prep_support.h"
+#include "tree_fixture.h"
 
 #define LEAF_SIZE 8
 
@@ -21,10 +20,7 @@ static const struct scene_material materials[2] = {{.name = "solid"},
 
 // All that belongs to one wide tree.
 struct fixture {
-    struct geometry geometry;
-    struct tri_ref *refs;
-    uint32_t ref_count;
-    struct bvh bvh;
+    struct tree tree;
     struct wide_bvh wide;
     uint32_t *seen;         // [triangle_count] times that a leaf names each
     uint32_t nodes, blocks; // met on the way
@@ -32,16 +28,10 @@ struct fixture {
 
 static void build(struct fixture *out, struct geometry geometry, bool split)
 {
-    *out = (struct fixture){.geometry = geometry};
-    for (uint32_t i = 0; i < geometry.triangle_count; i++)
-        geometry.triangles[i].material = i % 3 == 0;
-    assert_int_equal(presplit(&out->refs, &out->ref_count, &geometry, 0.0f), STATUS_OK);
-    if (split)
-        assert_int_equal(sbvh_build(&out->bvh, out->refs, out->ref_count, &geometry, LEAF_SIZE),
-                         STATUS_OK);
-    else
-        assert_int_equal(bvh_build(&out->bvh, out->refs, out->ref_count, LEAF_SIZE), STATUS_OK);
-    assert_int_equal(wide_bvh_pack(&out->wide, &out->bvh, out->refs, &geometry, materials),
+    mask_every_third(&geometry);
+    *out = (struct fixture){.tree = tree_make(geometry, split, LEAF_SIZE)};
+    const struct tree *tree = &out->tree;
+    assert_int_equal(wide_bvh_pack(&out->wide, &tree->bvh, tree->refs, &tree->geometry, materials),
                      STATUS_OK);
     out->seen = calloc(geometry.triangle_count + 1, sizeof(*out->seen));
 }
@@ -50,9 +40,7 @@ static void release(struct fixture *f)
 {
     free(f->seen);
     wide_bvh_free(&f->wide);
-    bvh_free(&f->bvh);
-    free(f->refs);
-    geometry_free(&f->geometry);
+    tree_free(&f->tree);
 }
 
 static float value(const struct wide_node *node, uint32_t row, uint32_t child)
@@ -83,7 +71,7 @@ static void check_leaf(struct fixture *f, int32_t word)
             const uint32_t triangle = ref & BVH_REF_TRIANGLE;
             const float4 *p[3];
             for (uint32_t k = 0; k < 3; k++)
-                p[k] = &f->geometry.vertices[3 * triangle + k].pos_normal;
+                p[k] = &f->tree.geometry.vertices[3 * triangle + k].pos_normal;
             woop_build(&woop, &p[0]->x, &p[1]->x, &p[2]->x);
             assert_int_equal((ref & BVH_REF_ALPHA) != 0, triangle % 3 == 0);
             f->seen[triangle]++;
@@ -136,11 +124,7 @@ static void check_tree(struct geometry geometry, bool split)
     assert_true(check_node(&f, 0) <= WIDE_STACK_SIZE);
     assert_int_equal(f.nodes, f.wide.node_count);
     assert_int_equal(f.blocks, f.wide.block_count);
-    for (uint32_t i = 0; i < f.ref_count; i++)
-        assert_true(f.seen[f.refs[i].triangle] >= 1);
-    if (!split)
-        for (uint32_t i = 0; i < f.ref_count; i++)
-            assert_int_equal(f.seen[f.refs[i].triangle], 1);
+    assert_all_seen(&f.tree, f.seen, split);
     release(&f);
 }
 
@@ -158,24 +142,15 @@ static void every_triangle_is_in_a_leaf_with_its_rows(void **state)
 static void equal_triangles_are_no_harm(void **state)
 {
     (void)state;
-    float corners[9 * 300];
-    for (uint32_t i = 0; i < 9 * 300; i++)
-        corners[i] = (float)(i % 9 * (i % 9));
     for (int split = 0; split < 2; split++)
-        check_tree(make_geometry(corners, 300), split);
+        check_tree(make_equal_triangles(), split);
 }
 
-// Each plane parts only the largest few from all others.
 static void deep_trees_fit_the_stack(void **state)
 {
     (void)state;
-    const uint32_t count = 4000;
-    float *corners = malloc(9 * count * sizeof(*corners));
-    for (uint32_t i = 0; i < 9 * count; i++)
-        corners[i] = (float)exp2(60.0 - 120.0 * (i / 9) / count) * (1.0f + 0.1f * (float)(i % 7));
     for (int split = 0; split < 2; split++)
-        check_tree(make_geometry(corners, count), split);
-    free(corners);
+        check_tree(make_shrinking_triangles(), split);
 }
 
 static void trees_deeper_than_the_stack_are_a_limit(void **state)

@@ -12,36 +12,12 @@
 #include <omp.h>
 #include <stdbool.h>
 
-#include "prep/sbvh.h"
-#include "prep_support.h"
 #include "shared/bvh.h"
+#include "tree_fixture.h"
 
 #define LEAF_SIZE 8
 #define POINTS    40      // of each triangle, that must be in a leaf
 #define MARGIN    0x1p-22 // part of the largest coordinate that packing grows boxes by
-
-// A geometry with its references and the tree over them.
-struct fixture {
-    struct geometry geometry;
-    struct tri_ref *refs;
-    uint32_t ref_count;
-    struct bvh bvh;
-};
-
-static struct fixture build(struct geometry geometry, uint32_t leaf_size)
-{
-    struct fixture f = {.geometry = geometry};
-    assert_int_equal(presplit(&f.refs, &f.ref_count, &geometry, 0.0f), STATUS_OK);
-    assert_int_equal(sbvh_build(&f.bvh, f.refs, f.ref_count, &f.geometry, leaf_size), STATUS_OK);
-    return f;
-}
-
-static void release(struct fixture *f)
-{
-    bvh_free(&f->bvh);
-    free(f->refs);
-    geometry_free(&f->geometry);
-}
 
 static bool is_inside(const struct bvh_build_node *node, const struct bvh_build_node *parent)
 {
@@ -52,7 +28,7 @@ static bool is_inside(const struct bvh_build_node *node, const struct bvh_build_
 }
 
 // Checks a subtree and returns its depth. Counts its nodes and moves *next over its references.
-static uint32_t check_subtree(const struct fixture *f, uint32_t leaf_size, uint32_t index,
+static uint32_t check_subtree(const struct tree *f, uint32_t leaf_size, uint32_t index,
                               uint32_t *next, uint32_t *node_count)
 {
     const struct bvh_build_node *node = &f->bvh.nodes[index];
@@ -76,7 +52,7 @@ static uint32_t check_subtree(const struct fixture *f, uint32_t leaf_size, uint3
 }
 
 // Whether a leaf that refers to a triangle holds a point of it.
-static bool holds(const struct fixture *f, uint32_t index, uint32_t triangle, const double *p)
+static bool holds(const struct tree *f, uint32_t index, uint32_t triangle, const double *p)
 {
     const struct bvh_build_node *node = &f->bvh.nodes[index];
     double largest = 0.0;
@@ -94,7 +70,7 @@ static bool holds(const struct fixture *f, uint32_t index, uint32_t triangle, co
 }
 
 // Every point of every triangle that has references is where a ray finds it.
-static void check_cover(const struct fixture *f)
+static void check_cover(const struct tree *f)
 {
     uint64_t seed = 5;
     for (uint32_t i = 0; i < f->ref_count; i++) {
@@ -119,7 +95,7 @@ static void check_cover(const struct fixture *f)
 
 static void check_tree(struct geometry geometry, uint32_t leaf_size)
 {
-    struct fixture f = build(geometry, leaf_size);
+    struct tree f = tree_make(geometry, true, leaf_size);
     uint32_t next = 0;
     uint32_t node_count = 0;
     const uint32_t depth = check_subtree(&f, leaf_size, 0, &next, &node_count);
@@ -131,7 +107,7 @@ static void check_tree(struct geometry geometry, uint32_t leaf_size)
     for (uint32_t i = 0; i < f.bvh.ref_count; i++)
         assert_true(f.bvh.order[i] < f.ref_count);
     check_cover(&f);
-    release(&f);
+    tree_free(&f);
 }
 
 // Long thin triangles every which way: what spatial splits are for.
@@ -180,13 +156,13 @@ static void triangles_as_large_as_float_are_no_harm(void **state)
 static void splits_make_long_triangles_cheaper(void **state)
 {
     (void)state;
-    struct fixture f = build(make_straws(3, 3000), LEAF_SIZE);
+    struct tree f = tree_make(make_straws(3, 3000), true, LEAF_SIZE);
     struct bvh whole;
     assert_int_equal(bvh_build(&whole, f.refs, f.ref_count, LEAF_SIZE), STATUS_OK);
     assert_true(f.bvh.ref_count > f.ref_count);
     assert_true(bvh_sah_cost(&f.bvh) < 0.9 * bvh_sah_cost(&whole));
     bvh_free(&whole);
-    release(&f);
+    tree_free(&f);
 }
 
 static void no_references_give_the_empty_tree(void **state)
@@ -204,16 +180,13 @@ static void the_tree_is_the_same_for_any_number_of_threads(void **state)
     (void)state;
     const int threads = omp_get_max_threads();
     omp_set_num_threads(1);
-    struct fixture one = build(make_straws(4, 20000), LEAF_SIZE);
+    struct tree one = tree_make(make_straws(4, 20000), true, LEAF_SIZE);
     omp_set_num_threads(5);
-    struct fixture many = build(make_straws(4, 20000), LEAF_SIZE);
+    struct tree many = tree_make(make_straws(4, 20000), true, LEAF_SIZE);
     omp_set_num_threads(threads);
-    assert_int_equal(one.bvh.node_count, many.bvh.node_count);
-    assert_int_equal(one.bvh.ref_count, many.bvh.ref_count);
-    assert_memory_equal(one.bvh.nodes, many.bvh.nodes, one.bvh.node_count * sizeof(*one.bvh.nodes));
-    assert_memory_equal(one.bvh.order, many.bvh.order, one.bvh.ref_count * sizeof(*one.bvh.order));
-    release(&many);
-    release(&one);
+    assert_same_tree(&one.bvh, &many.bvh);
+    tree_free(&many);
+    tree_free(&one);
 }
 
 int main(void)
