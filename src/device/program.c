@@ -11,7 +11,7 @@
 #include "device/cl_sources.h"
 #include "device/profile.h"
 
-#define OPTIONS_MAX 512 // bytes of a build's options
+#define OPTIONS_MAX 1024 // bytes of a build's options
 
 // Appends "-D NAME=value" if the text knows the name, so that a program is not built anew for a
 // choice that cannot change it.
@@ -52,6 +52,14 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "ENV_MAP", chosen->environment);
     if (chosen->light_sampler != 0)
         add_define(options, text, "LIGHT_SAMPLER", chosen->light_sampler);
+    const size_t used = strlen(options);
+    if (chosen->more != NULL)
+        snprintf(options + used, OPTIONS_MAX - used, " %s", chosen->more);
+}
+
+enum bvh_layout program_layout(const struct program_options *options)
+{
+    return options->bvh_wide ? LAYOUT_WIDE : options->bvh_quad ? LAYOUT_QUAD : LAYOUT_BINARY;
 }
 
 // The build log, to be released with free(); NULL if there is none.

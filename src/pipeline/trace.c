@@ -8,6 +8,7 @@ enum status trace_build(struct trace *out, const struct gpu *gpu,
 {
     struct program program = {0};
     out->tints = options->alpha && options->layers;
+    out->layout = program_layout(options);
     enum status status = program_build(&program, gpu, "trace", options);
     if (status != STATUS_OK)
         return status;
@@ -26,8 +27,12 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const struct kernel_arg args[] = {
-        ARGS_TRACED(scene),    ARG_BUFFER(&w->rays),     ARG_BUFFER(stage_queue(context)),
-        ARG_BUFFER(&w->hits),  ARG_BUFFER(&w->counters), ARG_VALUE(context->bounce),
+        ARGS_TRACED(scene, trace->layout),
+        ARG_BUFFER(&w->rays),
+        ARG_BUFFER(stage_queue(context)),
+        ARG_BUFFER(&w->hits),
+        ARG_BUFFER(&w->counters),
+        ARG_VALUE(context->bounce),
         ARG_BUFFER(&w->paths),
     };
     const size_t count = sizeof(args) / sizeof(args[0]) - (trace->tints ? 0 : 1);

@@ -79,12 +79,13 @@ static bool set_boxes(struct quad_node *out, const struct boxes *boxes)
     return true;
 }
 
-static bool is_repeated(const uint32_t *words, uint32_t count, uint32_t word)
+// Where a word stands among others; count if it is none of them.
+static uint32_t find_word(const uint32_t *words, uint32_t count, uint32_t word)
 {
-    for (uint32_t i = 0; i < count; i++)
-        if (words[i] == word)
-            return true;
-    return false;
+    uint32_t i = 0;
+    while (i < count && words[i] != word)
+        i++;
+    return i;
 }
 
 // Writes the references of a leaf. Returns its word.
@@ -96,8 +97,10 @@ static int32_t pack_leaf(struct packer *p, const struct collapse_choice *choice)
     for (uint32_t i = 0; i < choice->count; i++) {
         const uint32_t ref = p->collapse.bvh->order[choice->first + i];
         const uint32_t word = bvh_ref_word(p->geometry, p->materials, p->refs[ref].triangle);
-        if (!is_repeated(words, count, word))
+        const uint32_t place = find_word(words, count, word);
+        if (place == count)
             words[count++] = word;
+        p->quad.places[choice->first + i] = first + place;
     }
     p->quad.ref_count += count;
     return ~(int32_t)(first << BVH_LEAF_BITS | count);
@@ -177,7 +180,8 @@ enum status quad_bvh_pack(struct quad_bvh *out, const struct bvh *bvh, const str
     p.quad.nodes = array_alloc(node_count, sizeof(*p.quad.nodes));
     p.quad.woop = array_alloc(bvh->ref_count, sizeof(*p.quad.woop));
     p.quad.refs = array_alloc(bvh->ref_count, sizeof(*p.quad.refs));
-    if (p.quad.nodes == NULL || p.quad.woop == NULL || p.quad.refs == NULL)
+    p.quad.places = array_alloc(bvh->ref_count, sizeof(*p.quad.places));
+    if (p.quad.nodes == NULL || p.quad.woop == NULL || p.quad.refs == NULL || p.quad.places == NULL)
         status = status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes and %u references",
                              node_count, bvh->ref_count);
     if (status == STATUS_OK)
@@ -192,6 +196,7 @@ enum status quad_bvh_pack(struct quad_bvh *out, const struct bvh *bvh, const str
 
 void quad_bvh_free(struct quad_bvh *quad)
 {
+    free(quad->places);
     free(quad->refs);
     free(quad->woop);
     free(quad->nodes);
