@@ -17,10 +17,9 @@
 #define BOUNCES  3u     // a camera's, the first, and a later one
 #define CHECKED  16384u // slots whose hits and light are compared
 #define BETTER   0.97   // of the rule's time: what is nearer may be noise
-#define TELLING  1e-4   // s; launches that take less tell of launching
 #define NAME_MAX 96
 
-struct probe_limits probe_limits = {.all = 0.3, .launch = 2.0, .grace = 8.0};
+struct probe_limits probe_limits = {.all = 0.3, .launch = 2.0, .grace = 8.0, .telling = 1e-4};
 
 // What slots hold: of some, for comparison.
 struct checked {
@@ -67,9 +66,8 @@ static uint32_t count_other_hits(const struct hit *a, const struct hit *b, uint3
 {
     uint32_t others = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const bool same_end = (a[i].triangle == HIT_NONE) == (b[i].triangle == HIT_NONE);
-        const bool same = a[i].triangle == b[i].triangle || is_near(a[i].t, b[i].t, 1e-4f);
-        others += !same_end || (a[i].triangle != HIT_NONE && !same);
+        const bool missed = a[i].triangle == HIT_NONE;
+        others += a[i].triangle != b[i].triangle || (!missed && !is_near(a[i].t, b[i].t, 1e-4f));
     }
     return others;
 }
@@ -282,7 +280,7 @@ static void decide_class(struct probe *p, enum ray_class class)
     const uint32_t rule = choice->of[class];
     const bool rule_works = is_in(p, rule, class == RAYS_SHADOW);
     uint32_t best = rule_works ? rule : 0;
-    if (seconds[0] >= TELLING) {
+    if (seconds[0] > 0.0 && seconds[0] >= probe_limits.telling) {
         const double limit = rule_works && seconds[rule] > 0.0 ? BETTER * seconds[rule] : INFINITY;
         double least = limit;
         for (uint32_t i = 0; i < choice->form_count; i++) {

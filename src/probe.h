@@ -16,9 +16,10 @@
 
 /** Limits, s; tests set others. */
 struct probe_limits {
-    double all;    // no batch is begun that would end later
-    double launch; // a form that takes longer is struck out
-    double grace;  // after that, the device is given up
+    double all;     // no batch is begun that would end later
+    double launch;  // a form that takes longer is struck out
+    double grace;   // after that, the device is given up
+    double telling; // launches that take less tell of launching
 };
 extern struct probe_limits probe_limits;
 

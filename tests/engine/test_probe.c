@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <dirent.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -105,7 +106,7 @@ static int begin(void **state)
     choice_forget();
     choice_candidates = sound;
     choice_candidate_count = sizeof(sound) / sizeof(sound[0]);
-    probe_limits = (struct probe_limits){.all = 30.0, .launch = 120.0, .grace = 1.0};
+    probe_limits = (struct probe_limits){.all = INFINITY, .launch = 120.0, .grace = 1.0};
     return 0;
 }
 
