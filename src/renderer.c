@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
+#include "core/choices.h"
 #include "core/clock.h"
 #include "core/log.h"
 #include "plan.h"
@@ -143,6 +144,17 @@ static bool is_taken(const struct choice *choice, uint32_t form)
     return false;
 }
 
+static void tell(const struct renderer *r)
+{
+    const struct choice *choice = &r->choice;
+    for (int c = 0; c < RAY_CLASSES; c++) {
+        char name[96];
+        log_message(LOG_INFO, "device \"%s\": %s rays by %s (%s)", r->gpu.info.name,
+                    choices_rays[c], form_name(name, sizeof(name), &choice->forms[choice->of[c]]),
+                    choices_reason[choice->reasons[c]]);
+    }
+}
+
 // Decides how to trace, and releases what is not needed for that.
 static enum status settle(struct renderer *r, bool *stuck)
 {
@@ -165,6 +177,7 @@ static enum status settle(struct renderer *r, bool *stuck)
     for (int c = 0; c < RAY_CLASSES; c++)
         r->pipeline.form_of[c] = choice->of[c];
     device_scene_keep(&r->gpu, &r->scene, choice_layouts(choice));
+    tell(r);
     return STATUS_OK;
 }
 

@@ -480,7 +480,8 @@ struct lk_tracer_info {
 };
 
 /**
- * Prepares the triangles, opens a device and builds the kernels.
+ * Prepares the triangles, opens a device and builds the kernels. Nothing is measured: what the
+ * settings leave open goes by the kind of the device.
  *
  * @param settings  Device, camera, width, height, seed, and all that concerns BVH and traversal are
  * looked at. The strings must outlive the tracer.
