@@ -320,8 +320,8 @@ static enum status run(struct renderer *r, bool *stuck)
     if (status != STATUS_OK)
         goto cleanup;
     status = measure(p, start_s);
-    *stuck = p->stuck;
-    if (!p->stuck)
+    *stuck = p->stuck || status == STATUS_DEVICE; // a driver may have ended what did not
+    if (!*stuck)
         gpu_close_timed(&r->timed);
     for (int c = 0; c < RAY_CLASSES && status == STATUS_OK; c++)
         decide_class(p, (enum ray_class)c);

@@ -28,7 +28,8 @@ extern struct probe_limits probe_limits;
  * device at a time, so that none disturbs another.
  *
  * @param renderer    All but its film is set up, with all forms built.
- * @param[out] stuck  With a failure: a launch does not end. The device must not be waited for.
+ * @param[out] stuck  With a failure: a launch does not end, or went wrong. The device must not be
+ * waited for, but may work when it is opened anew.
  * @retval STATUS_DEVICE  An OpenCL call failed, or a launch does not end.
  */
 enum status probe_decide(struct renderer *renderer, bool *stuck);
