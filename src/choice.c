@@ -18,15 +18,29 @@ _Static_assert((int)LK_BVH_BINARY == (int)LAYOUT_BINARY && (int)LK_BVH_WIDE == (
                "layouts are numbered alike");
 _Static_assert((int)LK_RAYS_COUNT == (int)RAY_CLASSES, "rays are told apart alike");
 
-// What GPUs choose among, the plainest first. An H100 traces camera rays and first bounces in
-// Sponza fastest by the binary BVH with postponing, later bounces by quad warps, shadow rays by
-// quad postponing: 4683, 2211, 1876 and 5825 Mrays/s, against 4005, 2137, 1876 and 5440 by quad
-// warps.
-static const struct form candidates[] = {
-    {LK_TRACE_SIMPLE, LK_BVH_BINARY, NULL},     {LK_TRACE_SIMPLE, LK_BVH_QUAD, NULL},
-    {LK_TRACE_POSTPONING, LK_BVH_BINARY, NULL}, {LK_TRACE_POSTPONING, LK_BVH_QUAD, NULL},
-    {LK_TRACE_WARPS, LK_BVH_BINARY, NULL},      {LK_TRACE_WARPS, LK_BVH_QUAD, NULL},
-    {LK_TRACE_PERSISTENT, LK_BVH_BINARY, NULL}, {LK_TRACE_PERSISTENT, LK_BVH_QUAD, NULL},
+// A way to trace that GPUs may take.
+struct candidate {
+    enum lk_trace trace;
+    enum lk_bvh bvh;
+    unsigned with_votes, without; // uses where warps vote, and where they do not
+};
+
+#define BOTH (FORM_TRACES | FORM_SHADOWS)
+
+// The plainest first. Each costs a fifth of a second at the first start, so that what has never won
+// is left out. An H100 traces camera rays in Sponza, Sibenik and a level of 45,000 triangles
+// fastest by binary simple (0.42, 0.28, 0.27 ms for 2 M rays; quad warps 0.49, 0.35, 0.33), later
+// bounces by quad warps in the former (0.86, 0.85; binary postponing 0.97, 1.00) and by binary
+// postponing in the latter (0.42; 0.43); shadow rays likewise by quad and binary postponing. Binary
+// warps and quad postponing came within 2 % of the best at most.
+static const struct candidate candidates[] = {
+    {LK_TRACE_SIMPLE, LK_BVH_BINARY, FORM_TRACES, BOTH},
+    {LK_TRACE_SIMPLE, LK_BVH_QUAD, 0, BOTH},
+    {LK_TRACE_PERSISTENT, LK_BVH_BINARY, 0, BOTH},
+    {LK_TRACE_PERSISTENT, LK_BVH_QUAD, 0, BOTH},
+    {LK_TRACE_POSTPONING, LK_BVH_BINARY, BOTH, 0},
+    {LK_TRACE_POSTPONING, LK_BVH_QUAD, FORM_SHADOWS, 0},
+    {LK_TRACE_WARPS, LK_BVH_QUAD, FORM_TRACES, 0},
 };
 
 const struct form *choice_candidates;
@@ -44,15 +58,15 @@ static bool is_same(const struct form *a, const struct form *b)
 static struct form shadow_form(const struct form *form)
 {
     struct form own = *form;
+    own.uses = FORM_SHADOWS;
     if (own.bvh == LK_BVH_QUAD && own.trace == LK_TRACE_WARPS)
         own.trace = LK_TRACE_POSTPONING;
     return own;
 }
 
-bool form_has_shadows(const struct form *form)
+bool form_has(const struct form *form, enum ray_class class)
 {
-    const struct form own = shadow_form(form);
-    return is_same(form, &own);
+    return (form->uses & (class == RAYS_SHADOW ? FORM_SHADOWS : FORM_TRACES)) != 0;
 }
 
 const char *form_name(char *out, size_t size, const struct form *form)
@@ -64,75 +78,73 @@ const char *form_name(char *out, size_t size, const struct form *form)
 
 // ---- What there is to choose among
 
-static bool takes_votes(const struct form *form)
-{
-    return form->trace == LK_TRACE_POSTPONING || form->trace == LK_TRACE_WARPS;
-}
-
-// Whether a form is worth a trial. Where warps vote, what gets along without is there to check the
-// others by.
-static bool is_candidate(const struct form *form, const struct lk_settings *asked, bool votes)
-{
-    if ((asked->trace != LK_TRACE_AUTO && form->trace != asked->trace) ||
-        (asked->bvh != LK_BVH_AUTO && form->bvh != asked->bvh))
-        return false;
-    if (takes_votes(form))
-        return votes;
-    const bool is_plainest =
-        form->trace == LK_TRACE_SIMPLE && (form->bvh == LK_BVH_BINARY || asked->bvh == form->bvh);
-    return !votes || asked->trace == form->trace || is_plainest;
-}
-
-// The index of a form, which is added if it is not there.
+// Adds a form, or its uses if it is there. Returns its index.
 static uint32_t add_form(struct choice *choice, const struct form *form)
 {
-    for (uint32_t i = 0; i < choice->form_count; i++)
-        if (is_same(&choice->forms[i], form))
-            return i;
-    choice->forms[choice->form_count] = *form;
-    return choice->form_count++;
+    uint32_t i = 0;
+    while (i < choice->form_count && !is_same(&choice->forms[i], form))
+        i++;
+    if (i < choice->form_count)
+        choice->forms[i].uses |= form->uses;
+    else
+        choice->forms[choice->form_count++] = *form;
+    return i;
 }
 
 static void add_candidates(struct choice *choice, const struct lk_settings *asked,
                            const struct lk_settings *rule, const struct gpu *gpu)
 {
-    const struct form ruled = {rule->trace, rule->bvh, NULL};
-    if (choice_candidates != NULL) {
-        for (uint32_t i = 0; i < choice_candidate_count; i++)
-            add_form(choice, &choice_candidates[i]);
+    for (uint32_t i = 0; i < choice_candidate_count; i++)
+        add_form(choice, &choice_candidates[i]);
+    if (gpu->info.is_cpu || choice_candidate_count > 0)
         return;
+    const bool votes = rule->trace == LK_TRACE_POSTPONING || rule->trace == LK_TRACE_WARPS ||
+                       program_takes_votes(gpu);
+    for (size_t i = 0; i < sizeof(candidates) / sizeof(candidates[0]); i++) {
+        const struct candidate *c = &candidates[i];
+        const struct form form = {c->trace, c->bvh, votes ? c->with_votes : c->without, NULL};
+        if (form.uses != 0 && (asked->trace == LK_TRACE_AUTO || asked->trace == form.trace) &&
+            (asked->bvh == LK_BVH_AUTO || asked->bvh == form.bvh))
+            add_form(choice, &form);
     }
-    if (gpu->info.is_cpu)
-        return;
-    const bool votes = takes_votes(&ruled) || program_takes_votes(gpu);
-    for (size_t i = 0; i < sizeof(candidates) / sizeof(candidates[0]); i++)
-        if (is_candidate(&candidates[i], asked, votes))
-            add_form(choice, &candidates[i]);
+}
+
+// Whether there is more than one way to trace rays of some kind, and the first form traces paths.
+static bool is_open(const struct choice *choice)
+{
+    uint32_t counts[RAY_CLASSES] = {0};
+    bool open = false;
+    for (int c = 0; c < RAY_CLASSES; c++) {
+        for (uint32_t i = 0; i < choice->form_count; i++)
+            counts[c] += form_has(&choice->forms[i], (enum ray_class)c);
+        open = open || counts[c] > 1;
+    }
+    return open && form_has(&choice->forms[0], RAYS_CAMERA);
 }
 
 void choice_begin(struct choice *out, const struct lk_settings *asked,
                   const struct lk_settings *rule, const struct gpu *gpu)
 {
-    const struct form ruled = {rule->trace, rule->bvh, NULL};
+    const struct form ruled = {rule->trace, rule->bvh, FORM_TRACES, NULL};
     const struct form shadows = shadow_form(&ruled);
     const bool forced = asked->trace != LK_TRACE_AUTO && asked->bvh != LK_BVH_AUTO;
     *out = (struct choice){0};
     if (!forced && rule->nodes == LK_NODES_BUFFER)
         add_candidates(out, asked, rule, gpu);
-    out->open = out->form_count > 1;
     for (int c = 0; c < RAY_CLASSES; c++) {
         out->of[c] = add_form(out, c == RAYS_SHADOW ? &shadows : &ruled);
         out->reasons[c] = forced ? LK_REASON_FORCED : LK_REASON_RULE;
     }
+    out->open = is_open(out);
 }
 
 void choice_fall_back(struct choice *choice)
 {
     const struct form plain = {LK_TRACE_SIMPLE, choice->forms[choice->of[RAYS_LATER_BOUNCES]].bvh,
-                               NULL};
+                               BOTH, NULL};
     choice->forms[0] = plain;
     choice->form_count = 1;
-    choice->open = false;
+    choice->open = choice->broken = false;
     for (int c = 0; c < RAY_CLASSES; c++) {
         choice->of[c] = 0;
         choice->reasons[c] = LK_REASON_RULE;
@@ -197,8 +209,7 @@ static bool read_note(struct choice *choice, const char *note)
             if (strncmp(note, line, strlen(line)) == 0)
                 break;
         }
-        if (of[c] == choice->form_count ||
-            (c == RAYS_SHADOW && !form_has_shadows(&choice->forms[of[c]])))
+        if (of[c] == choice->form_count || !form_has(&choice->forms[of[c]], (enum ray_class)c))
             return false;
         note += strlen(line);
     }

@@ -18,20 +18,24 @@
 #include "engine.h"
 #include "pipeline/pipeline.h"
 
+#define FORM_TRACES  1u // traces rays of paths
+#define FORM_SHADOWS 2u // traces shadow rays
+
 struct form {
     enum lk_trace trace; // not auto
     enum lk_bvh bvh;     // not auto
+    unsigned uses;       // FORM_...
     const char *more;    // options for the compiler; NULL: none. Borrowed
 };
 
 /** One device's. */
 struct choice {
-    struct form
-        forms[PIPELINE_FORMS_MAX]; // the first is the plainest, which others must agree with
+    struct form forms[PIPELINE_FORMS_MAX]; // if it is open, the first is the plainest, and traces
     uint32_t form_count;
     uint32_t of[RAY_CLASSES]; // index of the form that traces them
     enum lk_reason reasons[RAY_CLASSES];
     bool open;            // a probe is to decide
+    bool broken;          // it did, and nothing can be taken; choice_fall_back() is left
     struct build_key key; // of what it finds
     double probe_s;       // it took
 };
@@ -76,8 +80,8 @@ unsigned choice_layouts(const struct choice *choice);
 /** Whether these are several. */
 bool choice_has_layouts(const struct choice *choice);
 
-/** Whether the form's kernels of shadow rays are its own, and not those of another. */
-bool form_has_shadows(const struct form *form);
+/** Whether a form may trace rays of a kind. */
+bool form_has(const struct form *form, enum ray_class class);
 
 /** "quad postponing". @return out. */
 const char *form_name(char *out, size_t size, const struct form *form);

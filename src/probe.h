@@ -6,8 +6,9 @@
  * It takes batches of paths that nobody sees, larger and larger ones, through the pipeline's own
  * stages, and launches those that trace in every form there is, timed by events. A form that does
  * not end in time, or whose hits or light are not those of the plainest one, is struck out with a
- * warning. No count of steps in the kernels watches over them: their loops end by construction, and
- * what may hang in a warp is its waiting for votes, which only the host can see.
+ * warning; forms of shadow rays that do not agree all are if the plainest is none of them, and then
+ * it traces everything. No count of steps in the kernels watches over them: their loops end by
+ * construction, and what may hang in a warp is its waiting for votes, which only the host can see.
  */
 #ifndef PROBE_H
 #define PROBE_H

@@ -119,15 +119,15 @@ static struct program_options scene_options(const struct renderer *r, const stru
 static enum status build_pipeline(struct renderer *r)
 {
     const struct choice *choice = &r->choice;
-    const struct form plain = {LK_TRACE_SIMPLE, r->chosen.bvh, NULL};
+    const struct form plain = {LK_TRACE_SIMPLE, r->chosen.bvh, 0, NULL};
     const struct program_options options = scene_options(r, &plain);
     struct pipeline_form forms[PIPELINE_FORMS_MAX] = {{.failed = false}};
     for (uint32_t i = 0; i < choice->form_count; i++) {
         const bool is_plain = choice->forms[i].trace == LK_TRACE_SIMPLE;
         forms[i].options = scene_options(r, &choice->forms[i]);
         forms[i].may_fail = !is_plain && choice->reasons[0] != LK_REASON_FORCED;
-        forms[i].traces = choice->open;
-        forms[i].shadows = choice->open && form_has_shadows(&choice->forms[i]);
+        forms[i].traces = choice->open && form_has(&choice->forms[i], RAYS_CAMERA);
+        forms[i].shadows = choice->open && form_has(&choice->forms[i], RAYS_SHADOW);
     }
     for (int c = 0; c < RAY_CLASSES && !choice->open; c++) {
         forms[choice->of[c]].traces |= c != RAYS_SHADOW;
@@ -162,9 +162,10 @@ static enum status settle(struct renderer *r, bool *stuck)
     enum status status = STATUS_OK;
     if (choice->open)
         status = probe_decide(r, stuck);
-    for (int c = 0; c < RAY_CLASSES && status == STATUS_OK; c++) {
-        if (!r->pipeline.forms[choice->of[c]].failed)
-            continue;
+    bool broken = choice->broken;
+    for (int c = 0; c < RAY_CLASSES; c++)
+        broken = broken || r->pipeline.forms[choice->of[c]].failed;
+    if (status == STATUS_OK && broken) {
         pipeline_free(&r->pipeline);
         choice_fall_back(choice);
         status = build_pipeline(r);

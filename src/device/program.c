@@ -7,6 +7,8 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
+#include "core/clock.h"
+#include "core/log.h"
 #include "device/build_cache.h"
 #include "device/cl_sources.h"
 #include "device/profile.h"
@@ -116,6 +118,7 @@ enum status program_build_text(struct program *out, const struct gpu *gpu, const
     const bool cached = !chosen->no_cache && build_cache_key(&key, gpu, text, size, options);
     cl_program handle = cached ? build_cache_load(&key, gpu, options) : NULL;
     const bool from_source = handle == NULL;
+    const double start_s = clock_seconds();
     if (from_source) {
         const enum status status = build_from_source(&handle, gpu, text, size, options);
         if (status != STATUS_OK)
@@ -123,6 +126,9 @@ enum status program_build_text(struct program *out, const struct gpu *gpu, const
         if (cached)
             build_cache_save(&key, handle);
     }
+    if (from_source)
+        log_message(LOG_DEBUG, "compiled a program in %.3f s: %s", clock_seconds() - start_s,
+                    options);
     *out = (struct program){.handle = handle, .from_source = from_source};
     return STATUS_OK;
 }

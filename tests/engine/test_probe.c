@@ -23,12 +23,13 @@
 #include "render_support.h"
 
 #define PATH_SIZE 1024
+#define BOTH      (FORM_TRACES | FORM_SHADOWS)
 
 static const struct form sound[] = {
-    {LK_TRACE_SIMPLE, LK_BVH_BINARY, NULL},
-    {LK_TRACE_PERSISTENT, LK_BVH_BINARY, NULL},
-    {LK_TRACE_SIMPLE, LK_BVH_QUAD, NULL},
-    {LK_TRACE_PERSISTENT, LK_BVH_QUAD, NULL},
+    {LK_TRACE_SIMPLE, LK_BVH_BINARY, BOTH, NULL},
+    {LK_TRACE_PERSISTENT, LK_BVH_BINARY, BOTH, NULL},
+    {LK_TRACE_SIMPLE, LK_BVH_QUAD, BOTH, NULL},
+    {LK_TRACE_PERSISTENT, LK_BVH_QUAD, BOTH, NULL},
 };
 
 static struct lk_scene *scene; // of the group
@@ -50,6 +51,8 @@ static int make_scene(void **state)
         const float y = 0.01f * (float)(i * i % 17);
         gltf_triangle(&writer, mirror, (const float[]){x, y, 0, x + 0.2f, y, 0.3f, x, 0.4f, 0.1f});
     }
+    gltf_light(&writer, (const float[]){1, 1, 1}, (const float[]){0, 0, 0},
+               "{\"type\":\"point\",\"intensity\":2}");
     gltf_light(&writer, (const float[]){1, 2, 1}, (const float[]){0, 0, 0},
                "{\"type\":\"directional\",\"intensity\":1}");
     gltf_camera(&writer, "front", (const float[]){0.1f, 0.3f, 2.9f}, (const float[]){0, 0.2f, 0},
@@ -286,7 +289,7 @@ static void cpus_have_nothing_to_choose(void **state)
     (void)state;
     skip_without_device();
     struct lk_settings settings = open_settings();
-    choice_candidates = NULL;
+    choice_candidate_count = 0;
     struct lk_image *image = render(scene, &settings);
     if (strcmp(share_of(image)->info.type, "cpu") == 0)
         for (int i = 0; i < LK_RAYS_COUNT; i++) {
@@ -302,7 +305,7 @@ static void check_spoilt(const char *more)
 {
     const struct lk_settings settings = open_settings();
     const struct lk_settings plain = settings_of(LK_TRACE_SIMPLE, LK_BVH_BINARY);
-    const struct form spoilt[] = {sound[0], {LK_TRACE_PERSISTENT, LK_BVH_QUAD, more}};
+    const struct form spoilt[] = {sound[0], {LK_TRACE_PERSISTENT, LK_BVH_QUAD, BOTH, more}};
     choice_candidates = spoilt;
     choice_candidate_count = 2;
     const unsigned before = log_warning_count();
@@ -330,6 +333,28 @@ static void what_finds_other_hits_is_struck_out(void **state)
     (void)state;
     skip_without_device();
     check_spoilt("-D ANY_HIT=1"); // another -D before it says 0
+}
+
+// Of two forms for shadow rays that do not agree, neither the plain one, none can be told right.
+static void shadows_that_do_not_agree_are_traced_plainly(void **state)
+{
+    (void)state;
+    skip_without_device();
+    struct lk_settings settings = open_settings();
+    settings.light_sampler = LK_LIGHTS_ALL;
+    const struct form forms[] = {
+        {LK_TRACE_SIMPLE, LK_BVH_BINARY, FORM_TRACES, NULL},
+        {LK_TRACE_PERSISTENT, LK_BVH_BINARY, FORM_SHADOWS, NULL},
+        {LK_TRACE_PERSISTENT, LK_BVH_QUAD, FORM_SHADOWS, "-D LIGHT_SAMPLER=2"},
+    };
+    choice_candidates = forms;
+    choice_candidate_count = 3;
+    const unsigned before = log_warning_count();
+    struct lk_image *image = render(scene, &settings);
+    assert_true(log_warning_count() >= before + 2);
+    const struct lk_tracing *tracing = &share_of(image)->tracing[LK_RAYS_SHADOW];
+    assert_true(tracing->trace != LK_TRACE_PERSISTENT || tracing->bvh == LK_BVH_WIDE);
+    lk_image_free(image);
 }
 
 static void what_takes_too_long_is_struck_out(void **state)
@@ -396,6 +421,7 @@ int main(void)
         cmocka_unit_test_setup(cpus_have_nothing_to_choose, begin),
         cmocka_unit_test_setup(what_does_not_compile_is_struck_out, begin),
         cmocka_unit_test_setup(what_finds_other_hits_is_struck_out, begin),
+        cmocka_unit_test_setup(shadows_that_do_not_agree_are_traced_plainly, begin),
         cmocka_unit_test_setup(what_takes_too_long_is_struck_out, begin),
         cmocka_unit_test_setup(little_memory_leaves_one_layout, begin),
         cmocka_unit_test_setup(a_device_that_hangs_is_started_again, begin),
