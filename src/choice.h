@@ -20,6 +20,7 @@
 
 #define FORM_TRACES  1u // traces rays of paths
 #define FORM_SHADOWS 2u // traces shadow rays
+#define FORM_FOLLOWS 4u // does so, unmeasured, where later bounces are traced over its layout
 
 struct form {
     enum lk_trace trace; // not auto
@@ -79,6 +80,9 @@ unsigned choice_layouts(const struct choice *choice);
 
 /** Whether these are several. */
 bool choice_has_layouts(const struct choice *choice);
+
+/** Lets shadow rays follow later bounces: over the same layout, if a form can. */
+void choice_follow(struct choice *choice);
 
 /** Whether a form may trace rays of a kind. */
 bool form_has(const struct form *form, enum ray_class class);

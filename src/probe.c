@@ -314,6 +314,14 @@ static void decide_class(struct probe *p, enum ray_class class)
     }
 }
 
+static uint32_t count_shadow_forms(const struct choice *choice)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < choice->form_count; i++)
+        count += (choice->forms[i].uses & FORM_SHADOWS) != 0;
+    return count;
+}
+
 static enum status run(struct renderer *r, bool *stuck)
 {
     struct probe *p = calloc(1, sizeof(*p));
@@ -340,6 +348,8 @@ static enum status run(struct renderer *r, bool *stuck)
         gpu_close_timed(&r->timed);
     for (int c = 0; c < RAY_CLASSES && status == STATUS_OK; c++)
         decide_class(p, (enum ray_class)c);
+    if (status == STATUS_OK && !p->struck[0] && count_shadow_forms(p->choice) == 1)
+        choice_follow(p->choice);
     r->choice.open = false;
     r->choice.probe_s = clock_seconds() - start_s;
 

@@ -127,7 +127,7 @@ static enum status build_pipeline(struct renderer *r)
         forms[i].options = scene_options(r, &choice->forms[i]);
         forms[i].may_fail = !is_plain && choice->reasons[0] != LK_REASON_FORCED;
         forms[i].traces = choice->open && form_has(&choice->forms[i], RAYS_CAMERA);
-        forms[i].shadows = choice->open && form_has(&choice->forms[i], RAYS_SHADOW);
+        forms[i].shadows = choice->open && (choice->forms[i].uses & FORM_SHADOWS) != 0;
     }
     for (int c = 0; c < RAY_CLASSES && !choice->open; c++) {
         forms[choice->of[c]].traces |= c != RAYS_SHADOW;
@@ -165,6 +165,10 @@ static enum status settle(struct renderer *r, bool *stuck)
     bool broken = choice->broken;
     for (int c = 0; c < RAY_CLASSES; c++)
         broken = broken || r->pipeline.forms[choice->of[c]].failed;
+    if (status == STATUS_OK && !broken) {
+        status = pipeline_add_shadows(&r->pipeline, &r->gpu, &r->scene, choice->of[RAYS_SHADOW]);
+        broken = r->pipeline.forms[choice->of[RAYS_SHADOW]].failed;
+    }
     if (status == STATUS_OK && broken) {
         pipeline_free(&r->pipeline);
         choice_fall_back(choice);

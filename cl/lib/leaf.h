@@ -50,7 +50,9 @@ static inline bool leaf_test(struct hit *hit, const struct traced *scene, const 
     for (uint i = first; i < end; i++) {
         const float4 row_w = scene->woop[3 * i + 0];
         const float t = -leaf_along(row_w, org, row_w.w) / leaf_along(row_w, dir, 0.0f);
-        if (!(t > tmin && t <= hit->t))
+        if (!(t > tmin && (any_hit ? t < hit->t : t <= hit->t)))
+            continue;
+        if (!any_hit && t == hit->t && leaf_tie_stays(hit, scene, i))
             continue;
         const float3 p = MULADD((float3)(t), dir, org);
         const float4 row_u = scene->woop[3 * i + 1];
@@ -60,8 +62,6 @@ static inline bool leaf_test(struct hit *hit, const struct traced *scene, const 
         const float4 row_v = scene->woop[3 * i + 2];
         const float v = leaf_along(row_v, p, row_v.w);
         if (!(v >= 0.0f && u + v <= 1.0f))
-            continue;
-        if (t == hit->t && leaf_tie_stays(hit, scene, i))
             continue;
 #if ALPHA
         const uint ref = scene->refs[i];

@@ -132,6 +132,26 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     return STATUS_OK;
 }
 
+enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,
+                                 const struct device_scene *scene, uint32_t form)
+{
+    struct pipeline_form *f = &pipeline->forms[form];
+    if (f->shadows)
+        return STATUS_OK;
+    f->shadows = true;
+    enum status status = STATUS_OK;
+    for (int stage = DIRECT; stage < FORM_STAGE_COUNT && status == STATUS_OK; stage++)
+        if (needs_form_stage((enum form_stage)stage, scene, f))
+            status = build_form_stage(f, (enum form_stage)stage, gpu, &pipeline->built);
+    if (status != STATUS_OK && f->may_fail) {
+        log_message(LOG_WARNING, "%s", status_message());
+        f->failed = true;
+        pipeline_drop(pipeline, form);
+        status = STATUS_OK;
+    }
+    return status;
+}
+
 void pipeline_drop(struct pipeline *pipeline, uint32_t form)
 {
     struct pipeline_form *f = &pipeline->forms[form];

@@ -54,6 +54,11 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
                            const struct pipeline_form *forms, uint32_t form_count);
 
+/** Builds a form's stages for shadow rays if they are not. Fails, or marks it as failed, as above.
+ */
+enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,
+                                 const struct device_scene *scene, uint32_t form);
+
 /** Releases a form that is not needed any more. */
 void pipeline_drop(struct pipeline *pipeline, uint32_t form);
 

@@ -311,8 +311,10 @@ static void check_spoilt(const char *more)
     const unsigned before = log_warning_count();
     struct lk_image *image = render(scene, &settings);
     assert_true(log_warning_count() > before);
-    for (int i = 0; i < LK_RAYS_COUNT; i++)
-        assert_int_not_equal(share_of(image)->tracing[i].bvh, LK_BVH_QUAD);
+    for (int i = 0; i < LK_RAYS_COUNT; i++) {
+        const struct lk_tracing *tracing = &share_of(image)->tracing[i];
+        assert_false(tracing->trace == LK_TRACE_PERSISTENT && tracing->bvh == LK_BVH_QUAD);
+    }
     if (share_of(image)->tracing[0].bvh == LK_BVH_BINARY) {
         struct lk_image *expected = render(scene, &plain);
         assert_int_equal(lk_image_info(expected)->rays_camera, lk_image_info(image)->rays_camera);
@@ -355,6 +357,39 @@ static void shadows_that_do_not_agree_are_traced_plainly(void **state)
     const struct lk_tracing *tracing = &share_of(image)->tracing[LK_RAYS_SHADOW];
     assert_true(tracing->trace != LK_TRACE_PERSISTENT || tracing->bvh == LK_BVH_WIDE);
     lk_image_free(image);
+}
+
+// Where shadow rays are not measured, they go over the layout that serves later bounces.
+static void unmeasured_shadows_follow_later_bounces(void **state)
+{
+    (void)state;
+    skip_without_device();
+    const struct lk_settings settings = open_settings();
+    const struct lk_settings plain = settings_of(LK_TRACE_SIMPLE, LK_BVH_BINARY);
+    struct lk_image *expected = render(scene, &plain);
+    // Each in turn has no rival but the rule's, or both have.
+    const struct form forms[] = {
+        {LK_TRACE_SIMPLE, LK_BVH_BINARY, FORM_TRACES, NULL},
+        {LK_TRACE_PERSISTENT, LK_BVH_BINARY, FORM_FOLLOWS, NULL},
+        {LK_TRACE_SIMPLE, LK_BVH_QUAD, FORM_TRACES, NULL},
+        {LK_TRACE_PERSISTENT, LK_BVH_QUAD, FORM_FOLLOWS, NULL},
+    };
+    for (uint32_t first = 0; first <= 2; first += 2) {
+        choice_candidates = forms + first;
+        choice_candidate_count = 4 - first;
+        choice_forget();
+        struct lk_image *image = render(scene, &settings);
+        const struct lk_tracing *tracing = share_of(image)->tracing;
+        assert_int_equal(tracing[LK_RAYS_SHADOW].bvh, tracing[LK_RAYS_LATER_BOUNCES].bvh);
+        if (tracing[LK_RAYS_SHADOW].bvh != LK_BVH_WIDE)
+            assert_int_not_equal(tracing[LK_RAYS_SHADOW].trace, LK_TRACE_SIMPLE);
+        if (tracing[LK_RAYS_CAMERA].bvh != LK_BVH_WIDE &&
+            tracing[LK_RAYS_SHADOW].bvh != LK_BVH_WIDE &&
+            tracing[LK_RAYS_FIRST_BOUNCE].bvh != LK_BVH_WIDE)
+            assert_same_picture(expected, image);
+        lk_image_free(image);
+    }
+    lk_image_free(expected);
 }
 
 static void what_takes_too_long_is_struck_out(void **state)
@@ -422,6 +457,7 @@ int main(void)
         cmocka_unit_test_setup(what_does_not_compile_is_struck_out, begin),
         cmocka_unit_test_setup(what_finds_other_hits_is_struck_out, begin),
         cmocka_unit_test_setup(shadows_that_do_not_agree_are_traced_plainly, begin),
+        cmocka_unit_test_setup(unmeasured_shadows_follow_later_bounces, begin),
         cmocka_unit_test_setup(what_takes_too_long_is_struck_out, begin),
         cmocka_unit_test_setup(little_memory_leaves_one_layout, begin),
         cmocka_unit_test_setup(a_device_that_hangs_is_started_again, begin),
