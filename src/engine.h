@@ -7,6 +7,7 @@
 
 #include "device/gpu.h"
 #include "lightkiln/lightkiln.h"
+#include "prep/bvh_compressed.h"
 #include "prep/bvh_pack.h"
 #include "prep/bvh_quad.h"
 #include "prep/bvh_wide.h"
@@ -23,7 +24,7 @@ struct bvh_request {
     float split_threshold;
     uint32_t leaf_size;
     enum lk_bvh_build build;
-    bool binary, wide, quad; // the layouts it is packed into
+    bool binary, wide, quad, compressed; // the layouts it is packed into
 };
 
 /** What prep/ makes of a scene, each part once for as long as its settings stay. All zero: not
@@ -34,9 +35,10 @@ struct prepared {
     struct material_set materials;
     bool ready; // those above
 
-    struct packed_bvh bvh; // empty unless that layout is asked for
-    struct wide_bvh wide;  // the same
-    struct quad_bvh quad;  // the same
+    struct packed_bvh bvh;            // empty unless that layout is asked for
+    struct wide_bvh wide;             // the same
+    struct quad_bvh quad;             // the same
+    struct compressed_bvh compressed; // the same
     uint32_t reference_count;
     struct bvh_request bvh_request;
 

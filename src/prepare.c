@@ -49,6 +49,8 @@ static enum status build_bvh(struct prepared *out, const struct geometry *geomet
         status = wide_bvh_pack(&out->wide, &bvh, refs, geometry, materials);
     if (status == STATUS_OK && request->quad)
         status = quad_bvh_pack(&out->quad, &bvh, refs, geometry, materials);
+    if (status == STATUS_OK && request->compressed)
+        status = compressed_bvh_pack(&out->compressed, &bvh, refs, geometry, materials);
     if (status == STATUS_OK && request->binary && request->quad) // both over the same triangles
         status = bvh_pack_over(&out->bvh, &bvh, out->quad.places);
     else if (status == STATUS_OK && request->binary)
@@ -67,7 +69,7 @@ static bool serves(const struct bvh_request *built, const struct bvh_request *as
     return built->split_threshold == asked->split_threshold &&
            built->leaf_size == asked->leaf_size && built->build == asked->build &&
            built->binary >= asked->binary && built->wide >= asked->wide &&
-           built->quad >= asked->quad;
+           built->quad >= asked->quad && built->compressed >= asked->compressed;
 }
 
 static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
@@ -80,22 +82,26 @@ static enum status prepare_bvh(struct prepared *p, const struct scene *scene,
                                 .binary = (layouts >> LK_BVH_BINARY & 1) != 0,
                                 .wide = (layouts >> LK_BVH_WIDE & 1) != 0,
                                 .quad = (layouts >> LK_BVH_QUAD & 1) != 0,
+                                .compressed = (layouts >> LK_BVH_COMPRESSED & 1) != 0,
                             }};
     if (serves(&p->bvh_request, &made.bvh_request))
         return STATUS_OK;
     const double start = clock_seconds();
     const enum status status = build_bvh(&made, &p->geometry, scene->materials);
     if (status != STATUS_OK) {
+        compressed_bvh_free(&made.compressed);
         quad_bvh_free(&made.quad);
         wide_bvh_free(&made.wide);
         return status;
     }
+    compressed_bvh_free(&p->compressed);
     quad_bvh_free(&p->quad);
     wide_bvh_free(&p->wide);
     packed_bvh_free(&p->bvh);
     p->bvh = made.bvh;
     p->wide = made.wide;
     p->quad = made.quad;
+    p->compressed = made.compressed;
     p->reference_count = made.reference_count;
     p->bvh_request = made.bvh_request;
     p->bvh_s = clock_seconds() - start;
@@ -195,6 +201,7 @@ void prepared_free(struct prepared *prepared)
     light_bvh_free(&prepared->light_bvh);
     light_tree_free(&prepared->light_tree);
     emitters_free(&prepared->emitters);
+    compressed_bvh_free(&prepared->compressed);
     quad_bvh_free(&prepared->quad);
     wide_bvh_free(&prepared->wide);
     packed_bvh_free(&prepared->bvh);
@@ -216,6 +223,7 @@ struct upload_source prepared_source(const struct lk_scene *scene, unsigned layo
         .bvh = &prepared->bvh,
         .wide = &prepared->wide,
         .quad = &prepared->quad,
+        .compressed = &prepared->compressed,
         .layouts = layouts,
         .emitters = &prepared->emitters,
         .environment = &scene->surroundings.environment,

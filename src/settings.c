@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "core/choices.h"
+
 // Paths; what stages hand on stays in the last cache. Below 2^16, since PoCL compiles every kernel
 // once for grids smaller than that and once more for others, 0.8 s of a cold start in the box.
 #define QUEUE_CPU    (63u << 10)
@@ -50,9 +52,11 @@ enum status settings_check(const struct lk_settings *s)
         return status_fail(STATUS_USAGE, "%u shadow rays are not within 1 .. 64", s->shadow_rays);
     if (s->leaf_size < 2 || s->leaf_size > 32)
         return status_fail(STATUS_USAGE, "a leaf size of %u is not within 2 .. 32", s->leaf_size);
-    if ((s->bvh == LK_BVH_WIDE || s->bvh == LK_BVH_QUAD) && s->nodes == LK_NODES_TEXTURE)
-        return status_fail(STATUS_USAGE, "a texture holds nodes of the binary BVH only: --bvh wide "
-                                         "and quad go with --nodes buffer");
+    if (s->bvh > LK_BVH_BINARY && s->nodes == LK_NODES_TEXTURE)
+        return status_fail(STATUS_USAGE,
+                           "a texture holds nodes of the binary BVH only: --bvh %s "
+                           "goes with --nodes buffer",
+                           choices_bvh[s->bvh]);
     if (!isfinite(s->split_threshold) || s->split_threshold < 0.0f)
         return status_fail(STATUS_USAGE, "a split threshold of %g m2 is none",
                            (double)s->split_threshold);
@@ -107,7 +111,7 @@ enum status settings_check_device(const struct lk_settings *settings, const stru
         return STATUS_OK;
     if (settings->bvh == LK_BVH_WIDE)
         return status_fail(STATUS_UNSUPPORTED,
-                           "--trace postponing and warps go with --bvh binary or quad");
+                           "--trace postponing and warps go with --bvh binary, quad or compressed");
     if (!program_takes_votes(gpu))
         return status_fail(STATUS_UNSUPPORTED,
                            "device \"%s\" has no warps that vote; use --trace simple or persistent",
@@ -122,6 +126,7 @@ struct program_options settings_program_options(const struct lk_settings *settin
         .warp_votes = has_votes(settings),
         .bvh_wide = settings->bvh == LK_BVH_WIDE,
         .bvh_quad = settings->bvh == LK_BVH_QUAD,
+        .bvh_compressed = settings->bvh == LK_BVH_COMPRESSED,
         .nodes_image = settings->nodes == LK_NODES_TEXTURE,
         .textures_bound = settings->textures == LK_TEXTURES_BOUND,
         .light_sampler = (int)settings->light_sampler,

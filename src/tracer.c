@@ -6,6 +6,7 @@
 #include "core/clock.h"
 #include "engine.h"
 #include "pipeline/stages.h"
+#include "prep/bvh_visits.h"
 #include "prep/camera.h"
 #include "prep/samples.h"
 #include "prepare.h"
@@ -19,6 +20,8 @@ _Static_assert(LK_HIT_NONE == HIT_NONE, "hits are copied as they are");
 // Launch i stands for bounce 2 i of a path, which reads the same queue as bounce 0.
 #define BOUNCES (2u * LK_LAUNCHES_MAX)
 
+#define COHERENT_RUN 256u // rays from one point, on average, that count as a camera's: many packets
+
 struct lk_tracer {
     struct gpu gpu;
     struct device_scene scene; // BVH only
@@ -28,7 +31,7 @@ struct lk_tracer {
     struct camera camera;
     struct lk_tracer_info info;
     uint32_t ray_count; // rays set
-    bool coherent;      // all from one point
+    bool coherent;      // neighbours come from one point
 };
 
 enum lk_status lk_scene_geometry(struct lk_geometry *out, struct lk_scene *scene)
@@ -86,6 +89,28 @@ bool lk_scene_light(float place[4], const struct lk_scene *scene, size_t index)
     return true;
 }
 
+enum lk_status lk_scene_visits(struct lk_visits *out, struct lk_scene *scene,
+                               const struct lk_settings *settings, const struct lk_ray *rays,
+                               uint32_t count, uint32_t step, bool any_hit)
+{
+    struct lk_settings plain = *settings;
+    plain.light_sampler = LK_LIGHTS_UNIFORM; // needs no preparation
+    const enum status status = prepare_scene(scene, &plain, 1u << LK_BVH_BINARY);
+    if (status != STATUS_OK)
+        return (enum lk_status)status;
+    struct bvh_visits sum = {0};
+    uint32_t looked_at = 0;
+    for (uint32_t i = 0; i < count; i += step) {
+        struct ray ray;
+        memcpy(&ray, &rays[i], sizeof(ray));
+        bvh_count_visits(&sum, &scene->prepared.bvh, &ray, any_hit);
+        looked_at++;
+    }
+    const double share = looked_at > 0 ? 1.0 / looked_at : 0.0;
+    *out = (struct lk_visits){share * (double)sum.nodes, share * (double)sum.references};
+    return LK_OK;
+}
+
 // Uploads the BVH alone.
 static enum status upload_solid(struct lk_tracer *t, const struct lk_scene *scene, bool nodes_image)
 {
@@ -102,6 +127,7 @@ static enum status upload_solid(struct lk_tracer *t, const struct lk_scene *scen
         .wide = prepared.wide,
         .quad = prepared.quad,
         .layouts = prepared.layouts,
+        .compressed = prepared.compressed,
         .emitters = &no_emitters,
         .environment = &no_environment,
         .light_tree = &no_tree,
@@ -225,13 +251,13 @@ enum lk_status lk_tracer_camera_rays(struct lk_tracer *tracer, struct lk_ray *ra
     return (enum lk_status)status;
 }
 
-// Whether all rays come from one point, as a camera's do.
-static bool have_one_origin(const struct lk_ray *rays, uint32_t count)
+// Whether runs of rays come from one point, as those of cameras do.
+static bool share_origins(const struct lk_ray *rays, uint32_t count)
 {
+    uint32_t changes = 0;
     for (uint32_t i = 1; i < count; i++)
-        if (memcmp(rays[i].org, rays[0].org, sizeof(rays[0].org)) != 0)
-            return false;
-    return true;
+        changes += memcmp(rays[i].org, rays[i - 1].org, sizeof(rays[0].org)) != 0;
+    return changes <= count / COHERENT_RUN;
 }
 
 enum lk_status lk_tracer_set_rays(struct lk_tracer *tracer, const struct lk_ray *rays,
@@ -248,7 +274,7 @@ enum lk_status lk_tracer_set_rays(struct lk_tracer *tracer, const struct lk_ray 
         status =
             buffer_write(&tracer->gpu, &tracer->wavefront.rays, rays, count * sizeof(struct ray));
     tracer->ray_count = count;
-    tracer->coherent = have_one_origin(rays, count);
+    tracer->coherent = share_origins(rays, count);
     return (enum lk_status)status;
 }
 

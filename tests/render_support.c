@@ -48,6 +48,8 @@ struct lk_settings test_settings(uint32_t width, uint32_t height, uint32_t spp)
         settings.bvh = LK_BVH_WIDE;
     if (is_set("LIGHTKILN_TEST_BVH", "quad"))
         settings.bvh = LK_BVH_QUAD;
+    if (is_set("LIGHTKILN_TEST_BVH", "compressed"))
+        settings.bvh = LK_BVH_COMPRESSED;
     if (is_set("LIGHTKILN_TEST_BVH_BUILD", "thesis"))
         settings.bvh_build = LK_BVH_BUILD_THESIS;
     return settings;

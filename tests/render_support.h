@@ -3,7 +3,8 @@
  * What the tests that render share: the device, settings, and means with their standard errors.
  *
  * LIGHTKILN_TEST_DEVICE names the device (as lk_settings.device). LIGHTKILN_TEST_TRACE ("simple",
- * "persistent"), LIGHTKILN_TEST_BVH ("binary", "wide", "quad") and LIGHTKILN_TEST_BVH_BUILD
+ * "persistent"), LIGHTKILN_TEST_BVH ("binary", "wide", "quad", "compressed") and
+ * LIGHTKILN_TEST_BVH_BUILD
  * ("thesis") force a variant; without them the engine chooses.
  */
 #ifndef TESTS_RENDER_SUPPORT_H

@@ -37,45 +37,51 @@ static inline bool leaf_tie_stays(const struct hit *hit, const struct traced *sc
            (scene->refs[hit->triangle] & BVH_REF_TRIANGLE) <= (scene->refs[i] & BVH_REF_TRIANGLE);
 }
 
-// Tests a leaf's triangles. Returns whether the ray ends there.
+// Tests a reference. Returns whether the ray ends there.
 //
 //   hit   the best so far; its triangle is the number of a reference, see traced_name()
-//   word  the leaf's
+static inline bool leaf_test_one(struct hit *hit, const struct traced *scene, const uint i,
+                                 const float3 org, const float3 dir, const float tmin,
+                                 const bool any_hit, struct passage *passage, const int mode)
+{
+    const float4 row_w = scene->woop[3 * i + 0];
+    const float t = -leaf_along(row_w, org, row_w.w) / leaf_along(row_w, dir, 0.0f);
+    if (!(t > tmin && (any_hit ? t < hit->t : t <= hit->t)))
+        return false;
+    if (!any_hit && t == hit->t && leaf_tie_stays(hit, scene, i))
+        return false;
+    const float3 p = MULADD((float3)(t), dir, org);
+    const float4 row_u = scene->woop[3 * i + 1];
+    const float u = leaf_along(row_u, p, row_u.w);
+    if (!(u >= 0.0f && u <= 1.0f))
+        return false;
+    const float4 row_v = scene->woop[3 * i + 2];
+    const float v = leaf_along(row_v, p, row_v.w);
+    if (!(v >= 0.0f && u + v <= 1.0f))
+        return false;
+#if ALPHA
+    const uint ref = scene->refs[i];
+    if ((ref & BVH_REF_ALPHA) &&
+        passage_ask(passage, mode, &scene->surface, ref & BVH_REF_TRIANGLE, u, v, org, dir))
+        return false;
+#endif
+    hit->t = t;
+    hit->u = u;
+    hit->v = v;
+    hit->triangle = i;
+    return any_hit;
+}
+
+// Tests a leaf's triangles, by its word. Returns whether the ray ends there.
 static inline bool leaf_test(struct hit *hit, const struct traced *scene, const int word,
                              const float3 org, const float3 dir, const float tmin,
                              const bool any_hit, struct passage *passage, const int mode)
 {
     const uint first = (uint)~word >> BVH_LEAF_BITS;
     const uint end = first + ((uint)~word & BVH_LEAF_MAX);
-    for (uint i = first; i < end; i++) {
-        const float4 row_w = scene->woop[3 * i + 0];
-        const float t = -leaf_along(row_w, org, row_w.w) / leaf_along(row_w, dir, 0.0f);
-        if (!(t > tmin && (any_hit ? t < hit->t : t <= hit->t)))
-            continue;
-        if (!any_hit && t == hit->t && leaf_tie_stays(hit, scene, i))
-            continue;
-        const float3 p = MULADD((float3)(t), dir, org);
-        const float4 row_u = scene->woop[3 * i + 1];
-        const float u = leaf_along(row_u, p, row_u.w);
-        if (!(u >= 0.0f && u <= 1.0f))
-            continue;
-        const float4 row_v = scene->woop[3 * i + 2];
-        const float v = leaf_along(row_v, p, row_v.w);
-        if (!(v >= 0.0f && u + v <= 1.0f))
-            continue;
-#if ALPHA
-        const uint ref = scene->refs[i];
-        if ((ref & BVH_REF_ALPHA) &&
-            passage_ask(passage, mode, &scene->surface, ref & BVH_REF_TRIANGLE, u, v, org, dir))
-            continue;
-#endif
-        hit->t = t;
-        hit->u = u;
-        hit->v = v;
-        hit->triangle = i;
-        if (any_hit)
+    for (uint i = first; i < end; i++)
+        if (leaf_test_one(hit, scene, i, org, dir, tmin, any_hit, passage, mode))
             return true;
-    }
     return false;
 }
 

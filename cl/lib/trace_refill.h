@@ -1,11 +1,11 @@
 /**
  * @file
- * Rays of a queue through the 4-wide BVH by warps whose lanes do not wait for each other: those
- * whose rays are done take new ones as soon as few others go on.
+ * Rays of a queue by warps whose lanes do not wait for each other: those whose rays are done take
+ * new ones as soon as few others go on. Over layouts whose walks can be left (lib/walk.h).
  *
  * Source: T. Aila, S. Laine, T. Karras, "Understanding the Efficiency of Ray Traversal on GPUs -
- * Kepler and Fermi Addendum", 2012. An H100 traces second bounces in Sponza by it at 7 % more
- * rays/s than with a lane for each ray, and shadow rays at 7 % fewer.
+ * Kepler and Fermi Addendum", 2012. An H100 traces second bounces in Sponza by it, over the
+ * 4-wide BVH, at 7 % more rays/s than with a lane for each ray, and shadow rays at 7 % fewer.
  */
 #ifndef LIB_TRACE_REFILL_H
 #define LIB_TRACE_REFILL_H
@@ -13,12 +13,9 @@
 #include "lib/traverse.h"
 #include "shared/path.h"
 
-// Where the 4-wide BVH is walked by warps that take from a queue.
-#define TRACE_REFILLS (BVH_QUAD && PERSISTENT && WARP_VOTES)
+#define TRACE_REFILLS ((BVH_QUAD || BVH_COMPRESSED) && PERSISTENT && WARP_VOTES)
 
 #if TRACE_REFILLS
-
-#define REFILL_LANES 20 // 12 and 26 do the same
 
 // Traces the rays of slots queue[0 .. count); as the kernel trace (cl/trace.cl).
 static inline void trace_refilling(BVH_NODES nodes, const struct traced *scene,
@@ -32,13 +29,13 @@ static inline void trace_refilling(BVH_NODES nodes, const struct traced *scene,
 #endif
 )
 {
-    struct quad_walk walk;
+    struct walk walk;
     struct passage passage;
-    int stack[QUAD_STACK_SIZE];
+    WALK_STACK(stack);
     uint slot = 0; // of the lane's ray
-    walk.node = QUAD_DONE;
+    walk_idle(&walk);
     for (;;) {
-        if (walk.node == QUAD_DONE) {
+        if (walk_is_done(&walk)) {
             const uint i = warp_fetch(head);
             if (i >= count)
                 break;
@@ -46,14 +43,14 @@ static inline void trace_refilling(BVH_NODES nodes, const struct traced *scene,
             const float3 org = rays[slot].org.xyz;
             const float3 dir = rays[slot].dir.xyz;
 #if RAY_SPANS
-            quad_begin(&walk, stack, org, dir, rays[slot].org.w, rays[slot].dir.w);
+            walk_begin(&walk, stack, org, dir, rays[slot].org.w, rays[slot].dir.w);
 #else
-            quad_begin(&walk, stack, org, dir, 0.0f, FLT_MAX);
+            walk_begin(&walk, stack, org, dir, 0.0f, FLT_MAX);
 #endif
             passage_init(&passage);
         }
-        quad_go(&walk, stack, nodes, scene, any_hit, &passage, PASSAGE_CHANCE, REFILL_LANES);
-        if (walk.node != QUAD_DONE)
+        walk_go(&walk, stack, nodes, scene, any_hit, &passage, PASSAGE_CHANCE, WALK_FEW);
+        if (!walk_is_done(&walk))
             continue;
         struct hit hit = traced_name(walk.hit, scene);
         if (any_hit)

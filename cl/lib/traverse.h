@@ -1,8 +1,9 @@
 /**
  * @file
  * One ray through the scene, by whichever BVH kernels are built for: BVH_WIDE takes the 8-wide one
- * (lib/traverse_wide.h), BVH_QUAD the 4-wide one (lib/traverse_quad.h), else it is the binary one
- * (lib/traverse_binary.h). All define
+ * (lib/traverse_wide.h), BVH_QUAD the 4-wide one (lib/traverse_quad.h), BVH_COMPRESSED the
+ * compressed one (lib/traverse_compressed.h), else it is the binary one (lib/traverse_binary.h).
+ * All define
  *
  *     struct hit traverse_through(nodes, scene, org, dir, tmin, tmax, any_hit, passage, mode)
  *
@@ -18,8 +19,8 @@
 
 #if BVH_WIDE
 #include "lib/traverse_wide.h"
-#elif BVH_QUAD
-#include "lib/traverse_quad.h"
+#elif BVH_QUAD || BVH_COMPRESSED
+#include "lib/walk.h"
 #else
 #include "lib/traverse_binary.h"
 #endif

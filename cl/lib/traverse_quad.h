@@ -11,26 +11,17 @@
 #ifndef LIB_TRAVERSE_QUAD_H
 #define LIB_TRAVERSE_QUAD_H
 
+#include "lib/byte_planes.h"
 #include "lib/leaf.h"
 #include "shared/bvh_quad.h"
 
 #define BVH_NODES __global const struct quad_node *restrict
 
-#define QUAD_DONE 0x7fffffff  // below every entry of the stack; no node has that number
-#define QUAD_MISS 0xffffffffu // key of a child that the ray misses, above all others
+#define QUAD_DONE        0x7fffffff // below every entry of the stack; no node has that number
+#define WALK_STACK(name) int name[QUAD_STACK_SIZE]
+#define WALK_FEW         20 // 12 and 26 do the same
 
-// The four planes of one side of the boxes along an axis, 1 + byte * 2^-QUAD_SHIFT.
-static inline float4 quad_planes(const uint bytes)
-{
-    const uint one = 0x3f800000u; // bits of 1
-#if WARP_VOTES
-    return (float4)(warp_pick(bytes, one, 0x7604u), warp_pick(bytes, one, 0x7614u),
-                    warp_pick(bytes, one, 0x7624u), warp_pick(bytes, one, 0x7634u));
-#else
-    const uint4 shifted = (uint4)(bytes << 8, bytes, bytes >> 8, bytes >> 16);
-    return as_float4((shifted & 0xff00u) | one);
-#endif
-}
+#define QUAD_MISS 0xffffffffu // key of a child that the ray misses, above all others
 
 // Of a child: the bits of where the ray enters it, which stand in the order of the values, with the
 // child's number in the last two; QUAD_MISS if the ray misses it.
@@ -70,7 +61,7 @@ static inline void quad_visit(int *next, int *stack, int *top, const uint key, c
 }
 
 // A ray on its way through the tree.
-struct quad_walk {
+struct walk {
     struct hit hit;        // the best so far; its t shrinks with every hit
     float3 org, dir;       // of the ray
     float3 inverse, shift; // of its slab tests
@@ -80,7 +71,7 @@ struct quad_walk {
 };
 
 //   stack  [QUAD_STACK_SIZE] child words yet to visit
-static inline void quad_begin(struct quad_walk *w, int *stack, const float3 org, const float3 dir,
+static inline void walk_begin(struct walk *w, int *stack, const float3 org, const float3 dir,
                               const float tmin, const float tmax)
 {
     w->hit.t = tmax;
@@ -97,11 +88,19 @@ static inline void quad_begin(struct quad_walk *w, int *stack, const float3 org,
     stack[0] = QUAD_DONE;
 }
 
-// Walks on, to the end or until a leaf has been tested and fewer than `few` lanes of the warp are
-// here; 0: to the end.
-static inline void quad_go(struct quad_walk *w, int *stack, BVH_NODES nodes,
-                           const struct traced *scene, const bool any_hit, struct passage *passage,
-                           const int mode, const int few)
+static inline bool walk_is_done(const struct walk *w)
+{
+    return w->node == QUAD_DONE;
+}
+
+static inline void walk_idle(struct walk *w)
+{
+    w->node = QUAD_DONE;
+}
+
+static inline void walk_go(struct walk *w, int *stack, BVH_NODES nodes, const struct traced *scene,
+                           const bool any_hit, struct passage *passage, const int mode,
+                           const int few)
 {
     const float3 inverse = w->inverse;
     const float3 shift = w->shift;
@@ -131,17 +130,17 @@ static inline void quad_go(struct quad_walk *w, int *stack, BVH_NODES nodes,
             const bool back_y = inverse.y < 0.0f;
             const bool back_z = inverse.z < 0.0f;
             const float4 near_x =
-                MULADD(quad_planes(back_x ? planes0.y : planes0.x), scale.x, start_x);
+                MULADD(byte_planes(back_x ? planes0.y : planes0.x), scale.x, start_x);
             const float4 near_y =
-                MULADD(quad_planes(back_y ? planes0.w : planes0.z), scale.y, start_y);
+                MULADD(byte_planes(back_y ? planes0.w : planes0.z), scale.y, start_y);
             const float4 near_z =
-                MULADD(quad_planes(back_z ? planes1.y : planes1.x), scale.z, start_z);
+                MULADD(byte_planes(back_z ? planes1.y : planes1.x), scale.z, start_z);
             const float4 far_x =
-                MULADD(quad_planes(back_x ? planes0.x : planes0.y), scale.x, start_x);
+                MULADD(byte_planes(back_x ? planes0.x : planes0.y), scale.x, start_x);
             const float4 far_y =
-                MULADD(quad_planes(back_y ? planes0.z : planes0.w), scale.y, start_y);
+                MULADD(byte_planes(back_y ? planes0.z : planes0.w), scale.y, start_y);
             const float4 far_z =
-                MULADD(quad_planes(back_z ? planes1.x : planes1.y), scale.z, start_z);
+                MULADD(byte_planes(back_z ? planes1.x : planes1.y), scale.z, start_z);
             uint key0 =
                 quad_key(near_x.x, near_y.x, near_z.x, far_x.x, far_y.x, far_z.x, tmin, hit.t, 0u);
             uint key1 =
@@ -199,19 +198,6 @@ static inline void quad_go(struct quad_walk *w, int *stack, BVH_NODES nodes,
     w->hit = hit;
     w->node = node;
     w->top = top;
-}
-
-// Finds what the ray hits between tmin, 0 at least, and tmax (lib/traverse.h).
-static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
-                                          const float3 org, const float3 dir, const float tmin,
-                                          const float tmax, const bool any_hit,
-                                          struct passage *passage, const int mode)
-{
-    struct quad_walk walk;
-    int stack[QUAD_STACK_SIZE];
-    quad_begin(&walk, stack, org, dir, tmin, tmax);
-    quad_go(&walk, stack, nodes, scene, any_hit, passage, mode, 0);
-    return traced_name(walk.hit, scene);
 }
 
 #endif

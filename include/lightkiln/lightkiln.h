@@ -186,14 +186,15 @@ enum lk_trace {
     LK_TRACE_SIMPLE,     // one ray a work item
     LK_TRACE_PERSISTENT, // work fetched from a queue (Aila & Laine 2009)
     LK_TRACE_POSTPONING, // one ray a work item; a warp tests leaves together (NVIDIA)
-    LK_TRACE_WARPS       // the same, with a queue for each warp, or over LK_BVH_QUAD for each lane
+    LK_TRACE_WARPS       // the same, with a queue for each warp, or over wider BVHs for each lane
 };
 
 enum lk_bvh {
-    LK_BVH_AUTO,   // as LK_TRACE_AUTO
-    LK_BVH_BINARY, // the thesis's
-    LK_BVH_WIDE,   // 8 children a node, triangles by four: for CPUs
-    LK_BVH_QUAD    // 4 children a node, boxes as bytes: for GPUs
+    LK_BVH_AUTO,      // as LK_TRACE_AUTO
+    LK_BVH_BINARY,    // the thesis's
+    LK_BVH_WIDE,      // 8 children a node, triangles by four: for CPUs
+    LK_BVH_QUAD,      // 4 children a node, boxes as bytes: for GPUs
+    LK_BVH_COMPRESSED // 8 children a node, boxes as bytes (Ylitie et al. 2017): for GPUs
 };
 
 enum lk_bvh_build {
@@ -465,6 +466,26 @@ LK_API enum lk_status lk_scene_geometry(struct lk_geometry *out, struct lk_scene
  * @return False if `index` is past the last light, or lk_scene_geometry() was not called yet.
  */
 LK_API bool lk_scene_light(float place[4], const struct lk_scene *scene, size_t index);
+
+/** What a ray visits on average. */
+struct lk_visits {
+    double nodes;     // of the binary BVH, each with the boxes of two children
+    double triangles; // tested
+};
+
+/**
+ * Counts, on the host, what rays visit of a scene's binary BVH: how hard they are to trace,
+ * whatever traces them. All triangles are solid.
+ *
+ * @param settings  All that concerns building the BVH is looked at.
+ * @param rays      [count]
+ * @param step      Every step-th of them is looked at: 1 at least.
+ * @param any_hit   They end at the first hit found.
+ * @retval LK_NO_MEMORY, LK_FORMAT, LK_LIMIT
+ */
+LK_API enum lk_status lk_scene_visits(struct lk_visits *out, struct lk_scene *scene,
+                                      const struct lk_settings *settings, const struct lk_ray *rays,
+                                      uint32_t count, uint32_t step, bool any_hit);
 
 /** A scene's triangles on a device, to trace rays of one's own. All of them are solid, whatever
  * their materials say. Opaque. */

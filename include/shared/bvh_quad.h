@@ -13,8 +13,7 @@
  *     planes[1]  lo.z      hi.z      scale.y   scale.z    bits of floats
  *     words      child 0   child 1   child 2   child 3
  *
- * A plane lies at origin + scale * byte * 2^-QUAD_SHIFT, m: a kernel makes the float 1 + byte *
- * 2^-QUAD_SHIFT by putting the byte among the bits of 1.
+ * A plane lies at origin + scale * byte * 2^-BYTE_PLANE_SHIFT, m (shared/byte_planes.h).
  *
  * A child word is that of the binary BVH (shared/bvh.h), but names a quad_node if it is >= 0.
  * Children that are not there stand last; their boxes end before they begin, and their words are
@@ -25,10 +24,10 @@
 
 #include "shared/base.h"
 #include "shared/bvh.h"
+#include "shared/byte_planes.h"
 
 #define QUAD_CHILDREN 4u
 #define QUAD_EMPTY    (~0) // word of no child
-#define QUAD_SHIFT    15   // binary places below 1 of a byte's lowest bit
 
 // Entries of a traversal stack: each level of a tree shallower than BVH_STACK_SIZE, before it is
 // made wide, leaves at most three.

@@ -40,6 +40,7 @@ static enum status refuse(const char *experiment, const struct options *options)
         {"reference", "lights report", options->reference != NULL},
         {"reference-time", "lights report", options->reference_time_s > 0.0},
         {"runs", "trace path", options->runs != defaults.runs},
+        {"views", "trace", options->views != defaults.views},
         {"quick", "report memory scale", options->quick},
         {"out", "report memory scale", strcmp(options->out, defaults.out) != 0},
     };

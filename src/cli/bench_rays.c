@@ -5,6 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/bench_views.h"
+
+#define VIEWS_BOUNCE (RAYS_BOUNCE_1 + 1) // whose rays views stand on
+
 #define PI           3.14159265358979f
 #define OFFSET       1e-4f   // of the scene's scale at the hit: rays leave that far above a face
 #define SHADOW_REACH 0.9999f // part of the way to a light that is asked about
@@ -148,8 +152,7 @@ static enum status follow(struct ray_set *out, const struct ray_set *set, const 
     return STATUS_OK;
 }
 
-// Traces a set's nearest hits.
-static enum status trace(struct lk_hit *hits, struct lk_tracer *tracer, const struct ray_set *set)
+enum status ray_set_trace(struct lk_hit *hits, struct lk_tracer *tracer, const struct ray_set *set)
 {
     enum lk_status status = lk_tracer_set_rays(tracer, set->rays, set->count);
     if (status == LK_OK)
@@ -159,49 +162,83 @@ static enum status trace(struct lk_hit *hits, struct lk_tracer *tracer, const st
     return (enum status)status;
 }
 
-// Makes all classes after the first.
-static enum status make_others(struct ray_set *sets, struct lk_hit *hits,
-                               const struct lk_geometry *geometry, const struct lights *lights,
-                               struct lk_tracer *tracer)
+// What rays are made with.
+struct maker {
+    struct lk_tracer *tracer;
+    struct lk_geometry geometry;
+    struct lights lights;
+    struct lk_hit *hits; // [width * height of the tracer's image] of the last set traced; owned
+};
+
+// Makes the bounces from sets[first] to sets[last].
+static enum status bounce(struct ray_set *sets, const struct maker *m, uint32_t first,
+                          uint32_t last)
 {
     enum status status = STATUS_OK;
-    for (uint32_t i = RAYS_PRIMARY; i < RAYS_BOUNCE_4 && status == STATUS_OK; i++) {
-        status = trace(hits, tracer, &sets[i]);
-        if (status == STATUS_OK && i == RAYS_PRIMARY)
-            status = follow(&sets[RAYS_SHADOW], &sets[i], hits, geometry, lights, 0);
+    for (uint32_t i = first; i < last && status == STATUS_OK; i++) {
+        status = ray_set_trace(m->hits, m->tracer, &sets[i]);
         if (status == STATUS_OK)
-            status = follow(&sets[i + 1], &sets[i], hits, geometry, NULL, i);
+            status = follow(&sets[i + 1], &sets[i], m->hits, &m->geometry, NULL, i);
     }
     return status;
 }
 
-enum status ray_sets_make(struct ray_set *out, struct lk_scene *scene, struct lk_tracer *tracer)
+// Puts the rays of views in the place of the camera's.
+static enum status look_around(struct ray_set *primary, const struct maker *m, uint32_t views)
+{
+    struct ray_set paths[RAY_CLASSES] = {[RAYS_PRIMARY] = *primary};
+    *primary = (struct ray_set){0};
+    enum status status = bounce(paths, m, RAYS_PRIMARY, VIEWS_BOUNCE);
+    if (status == STATUS_OK)
+        status = ray_set_trace(m->hits, m->tracer, &paths[VIEWS_BOUNCE]);
+    if (status == STATUS_OK)
+        status = views_make(primary, m->tracer, &paths[VIEWS_BOUNCE], m->hits, views);
+    ray_sets_free(paths);
+    return status;
+}
+
+static enum status make_all(struct ray_set *sets, const struct maker *m, uint32_t views)
+{
+    const struct lk_tracer_info *info = lk_tracer_info(m->tracer);
+    struct ray_set *primary = &sets[RAYS_PRIMARY];
+    primary->count = info->width * info->height;
+    primary->rays = malloc(primary->count * sizeof(*primary->rays));
+    if (primary->rays == NULL)
+        return status_fail(STATUS_NO_MEMORY, "no memory for %u rays", primary->count);
+    enum status status = (enum status)lk_tracer_camera_rays(m->tracer, primary->rays);
+    if (status == STATUS_OK && views > 1)
+        status = look_around(primary, m, views);
+    if (status == STATUS_OK)
+        status = ray_set_trace(m->hits, m->tracer, primary);
+    if (status == STATUS_OK)
+        status = follow(&sets[RAYS_SHADOW], primary, m->hits, &m->geometry, &m->lights, 0);
+    if (status == STATUS_OK)
+        status = bounce(sets, m, RAYS_PRIMARY, RAYS_BOUNCE_4);
+    return status;
+}
+
+enum status ray_sets_make(struct ray_set *out, struct lk_scene *scene, struct lk_tracer *tracer,
+                          uint32_t views)
 {
     struct ray_set sets[RAY_CLASSES] = {0};
-    struct lk_geometry geometry;
-    struct lights lights = {0};
     const struct lk_tracer_info *info = lk_tracer_info(tracer);
     const uint32_t count = info->width * info->height;
-    struct lk_hit *hits = malloc(count * sizeof(*hits));
-    sets[RAYS_PRIMARY].rays = malloc(count * sizeof(struct lk_ray));
-    sets[RAYS_PRIMARY].count = count;
+    struct maker m = {.tracer = tracer, .hits = malloc(count * sizeof(*m.hits))};
     enum status status = STATUS_OK;
-    if (hits == NULL || sets[RAYS_PRIMARY].rays == NULL)
-        status = status_fail(STATUS_NO_MEMORY, "no memory for %u rays", count);
+    if (m.hits == NULL)
+        status = status_fail(STATUS_NO_MEMORY, "no memory for %u hits", count);
     if (status == STATUS_OK)
-        status = (enum status)lk_tracer_camera_rays(tracer, sets[RAYS_PRIMARY].rays);
+        status = (enum status)lk_scene_geometry(&m.geometry, scene);
     if (status == STATUS_OK)
-        status = (enum status)lk_scene_geometry(&geometry, scene);
+        status = find_lights(&m.lights, scene);
     if (status == STATUS_OK)
-        status = find_lights(&lights, scene);
-    if (status == STATUS_OK)
-        status = make_others(sets, hits, &geometry, &lights, tracer);
+        status = make_all(sets, &m, views);
     if (status == STATUS_OK)
         memcpy(out, sets, sizeof(sets));
     else
         ray_sets_free(sets);
-    free(lights.places);
-    free(hits);
+    free(m.lights.places);
+    free(m.hits);
     return status;
 }
 

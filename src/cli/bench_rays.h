@@ -2,7 +2,8 @@
  * @file
  * The rays that tracing is measured with: those of a path tracer on a scene without materials.
  *
- * Primary rays come from the camera. Each bounce leaves the hits of the last one about the face's
+ * Primary rays come from the camera, or from views of places along its paths (cli/bench_views.h).
+ * Each bounce leaves the hits of the last one about the face's
  * normal, as Lambert's law says. Shadow rays go from the primary hits to a light each, drawn from
  * all of them, where it shines on the face.
  */
@@ -39,10 +40,16 @@ struct ray_set {
  *
  * @param[out] out  [RAY_CLASSES], each to be freed; written on success only.
  * @param tracer    Traces the hits that bounces start from.
+ * @param views     That primary rays come from; 1: the camera's.
+ * @retval as views_make()
  */
-enum status ray_sets_make(struct ray_set *out, struct lk_scene *scene, struct lk_tracer *tracer);
+enum status ray_sets_make(struct ray_set *out, struct lk_scene *scene, struct lk_tracer *tracer,
+                          uint32_t views);
 
 void ray_sets_free(struct ray_set *sets);
+
+/** Traces a set's nearest hits: [set->count]. */
+enum status ray_set_trace(struct lk_hit *hits, struct lk_tracer *tracer, const struct ray_set *set);
 
 /** A corner of a triangle, m. */
 const float *ray_corner(const struct lk_geometry *geometry, uint32_t triangle, int corner);

@@ -10,6 +10,8 @@
 #define RUN_SECONDS 0.02 // a run launches as often as fills that, where launches are short
 #define RUNS_MAX    1000
 
+#define VISITS_SAMPLE 16384u // rays whose visits are counted, of each class
+
 // One way to trace.
 struct variant {
     const char *name;
@@ -33,6 +35,10 @@ static const struct variant variants[] = {
     {"quad simple", LK_BVH_BUILD_SBVH, LK_BVH_QUAD, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
     {"quad postponing", LK_BVH_BUILD_SBVH, LK_BVH_QUAD, LK_TRACE_POSTPONING, LK_NODES_BUFFER},
     {"quad warps", LK_BVH_BUILD_SBVH, LK_BVH_QUAD, LK_TRACE_WARPS, LK_NODES_BUFFER},
+    {"compressed simple", LK_BVH_BUILD_SBVH, LK_BVH_COMPRESSED, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
+    {"compressed postponing", LK_BVH_BUILD_SBVH, LK_BVH_COMPRESSED, LK_TRACE_POSTPONING,
+     LK_NODES_BUFFER},
+    {"compressed warps", LK_BVH_BUILD_SBVH, LK_BVH_COMPRESSED, LK_TRACE_WARPS, LK_NODES_BUFFER},
     {"wide simple", LK_BVH_BUILD_SBVH, LK_BVH_WIDE, LK_TRACE_SIMPLE, LK_NODES_BUFFER},
     {"wide persistent", LK_BVH_BUILD_SBVH, LK_BVH_WIDE, LK_TRACE_PERSISTENT, LK_NODES_BUFFER},
 };
@@ -58,6 +64,7 @@ struct bench {
     struct row *rows;       // [VARIANT_COUNT]; owned
     struct ray_set sets[RAY_CLASSES];
     struct oracle oracles[RAY_CLASSES];
+    struct lk_visits visits[RAY_CLASSES]; // of the default BVH, by a sample of the rays
     struct lk_geometry geometry;
 };
 
@@ -132,6 +139,18 @@ static enum status measure_class(struct bench *b, enum ray_class class, struct l
     return status;
 }
 
+// Counts what the rays visit.
+static enum status count_visits(struct bench *b)
+{
+    enum lk_status status = LK_OK;
+    for (int i = 0; i < RAY_CLASSES && status == LK_OK; i++) {
+        const struct ray_set *set = &b->sets[i];
+        status = lk_scene_visits(&b->visits[i], b->scene, &b->options->settings, set->rays,
+                                 set->count, 1 + set->count / VISITS_SAMPLE, set->any_hit);
+    }
+    return (enum status)status;
+}
+
 static enum status measure(struct bench *b)
 {
     const struct lk_tracer_info *info = lk_tracer_info(b->rows[0].tracer);
@@ -143,7 +162,9 @@ static enum status measure(struct bench *b)
     if (status == STATUS_OK)
         status = (enum status)lk_scene_geometry(&b->geometry, b->scene);
     if (status == STATUS_OK)
-        status = ray_sets_make(b->sets, b->scene, b->rows[0].tracer);
+        status = ray_sets_make(b->sets, b->scene, b->rows[0].tracer, b->options->views);
+    if (status == STATUS_OK)
+        status = count_visits(b);
     for (int i = 0; i < RAY_CLASSES && status == STATUS_OK; i++)
         status = measure_class(b, (enum ray_class)i, hits);
     free(hits);
@@ -187,9 +208,9 @@ static void print_row(const struct bench *b, const struct row *row)
 static void print_table(const struct bench *b)
 {
     const struct lk_tracer_info *info = lk_tracer_info(b->rows[0].tracer);
-    printf("%s, %llu triangles, %u x %u, %s\n", b->options->operands[1],
+    printf("%s, %llu triangles, %u x %u, %u view%s, %s\n", b->options->operands[1],
            (unsigned long long)b->geometry.triangle_count, info->width, info->height,
-           info->device.name);
+           b->options->views, b->options->views > 1 ? "s" : "", info->device.name);
     printf("Mrays/s: median of %u runs (least-most)\n", b->options->runs);
     printf("%-28s %7s %7s", "variant", "build s", "MB");
     for (int k = 0; k < RAY_CLASSES; k++)
@@ -201,6 +222,12 @@ static void print_table(const struct bench *b)
     for (int k = 0; k < RAY_CLASSES; k++) {
         char text[32];
         snprintf(text, sizeof(text), "%u, %u", b->sets[k].count, b->oracles[k].count);
+        printf(" %-20s", text);
+    }
+    printf("\n%-28s %7s %7s", "binary nodes, triangles", "", "");
+    for (int k = 0; k < RAY_CLASSES; k++) {
+        char text[32];
+        snprintf(text, sizeof(text), "%.1f, %.1f", b->visits[k].nodes, b->visits[k].triangles);
         printf(" %-20s", text);
     }
     printf("\n");
@@ -238,6 +265,15 @@ static void write_row(struct json *json, const struct bench *b, const struct row
     json_object_end(json);
 }
 
+static void write_visits(struct json *json, const struct lk_visits *visits, int class)
+{
+    json_object(json, NULL);
+    json_string(json, "rays", ray_class_names[class]);
+    json_double(json, "binary_nodes_per_ray", visits->nodes);
+    json_double(json, "triangles_per_ray", visits->triangles);
+    json_object_end(json);
+}
+
 static enum status print_json(const struct bench *b)
 {
     const struct lk_tracer_info *info = lk_tracer_info(b->rows[0].tracer);
@@ -250,7 +286,12 @@ static enum status print_json(const struct bench *b)
     json_uint(&json, "triangles", b->geometry.triangle_count);
     json_uint(&json, "width", info->width);
     json_uint(&json, "height", info->height);
+    json_uint(&json, "views", b->options->views);
     json_uint(&json, "runs", b->options->runs);
+    json_array(&json, "visits");
+    for (int k = 0; k < RAY_CLASSES; k++)
+        write_visits(&json, &b->visits[k], k);
+    json_array_end(&json);
     json_array(&json, "variants");
     for (size_t i = 0; i < VARIANT_COUNT; i++)
         write_row(&json, b, &b->rows[i]);

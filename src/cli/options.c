@@ -69,7 +69,7 @@ const struct option option_table[] = {
     HEADING(SIZED, "Device and kernels"),
     {"device", 0, BOTH, "LIST", "cpu, gpu, P:D, part of a name; or a list; or all", "the best", TEXT(settings.device)},
     {"trace", 0, BOTH, NULL, "a ray per item, a queue, or warps; auto: measured", NULL, CHOICE(settings.trace, choices_trace)},
-    {"bvh", 0, SIZED, NULL, "layout; wide for CPUs, quad for GPUs; auto: measured", NULL, CHOICE(settings.bvh, choices_bvh)},
+    {"bvh", 0, SIZED, NULL, "layout; wide: CPUs; quad, compressed: GPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
     {"bvh-build", 0, SIZED, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},
     {"textures", 0, RENDER | INFO, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
     {"nodes", 0, RENDER, NULL, "where kernels read the binary BVH's nodes from", NULL, CHOICE(settings.nodes, choices_nodes)},
@@ -85,6 +85,7 @@ const struct option option_table[] = {
     {"reference", 0, BENCH, "PATH", "lights: image of this scene; report: folder", "rendered", TEXT(reference)},
     {"reference-time", 0, BENCH, "S", "seconds to render a reference", "10 times --time", DOUBLE(reference_time_s, 0.001, 1e9)},
     {"runs", 0, BENCH, "N", "trace, path: measured runs of each kind", NULL, UINT(runs, 1, 1000)},
+    {"views", 0, BENCH, "N", "trace: 1 is the camera's; more stand all over the level", NULL, UINT(views, 1, 4096)},
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},
@@ -108,7 +109,8 @@ _Static_assert(sizeof(enum lk_trace) == sizeof(int), "choices are stored as int"
 
 void options_init(struct options *options)
 {
-    *options = (struct options){.log_level = LK_LOG_WARNING, .runs = 7, .out = "build/bench"};
+    *options =
+        (struct options){.log_level = LK_LOG_WARNING, .runs = 7, .views = 1, .out = "build/bench"};
     lk_settings_init(&options->settings);
 }
 

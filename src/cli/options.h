@@ -35,7 +35,8 @@ struct options {
     const char *output, *stats, *diff, *reference; // files; NULL: none
     const char *out;                               // folder of what bench writes
     double reference_time_s;
-    uint32_t runs; // measured runs of each kind
+    uint32_t runs;  // measured runs of each kind
+    uint32_t views; // that traced rays come from
     enum lk_log_level log_level;
     bool quick, json, quiet, strict, help, version;
 };

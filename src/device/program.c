@@ -40,6 +40,7 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "PERSISTENT", chosen->persistent);
     add_define(options, text, "BVH_WIDE", chosen->bvh_wide);
     add_define(options, text, "BVH_QUAD", chosen->bvh_quad);
+    add_define(options, text, "BVH_COMPRESSED", chosen->bvh_compressed);
     if (chosen->warp_votes)
         add_define(options, text, "WARP_VOTES", 1);
     add_define(options, text, "NODES_IMAGE", chosen->nodes_image);
@@ -61,7 +62,10 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
 
 enum bvh_layout program_layout(const struct program_options *options)
 {
-    return options->bvh_wide ? LAYOUT_WIDE : options->bvh_quad ? LAYOUT_QUAD : LAYOUT_BINARY;
+    return options->bvh_wide         ? LAYOUT_WIDE
+           : options->bvh_quad       ? LAYOUT_QUAD
+           : options->bvh_compressed ? LAYOUT_COMPRESSED
+                                     : LAYOUT_BINARY;
 }
 
 // The build log, to be released with free(); NULL if there is none.

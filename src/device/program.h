@@ -20,13 +20,14 @@
 #include "device/gpu.h"
 
 /** Layouts of the BVH; 0 stands for none. */
-enum bvh_layout { LAYOUT_BINARY = 1, LAYOUT_WIDE, LAYOUT_QUAD, LAYOUT_END };
+enum bvh_layout { LAYOUT_BINARY = 1, LAYOUT_WIDE, LAYOUT_QUAD, LAYOUT_COMPRESSED, LAYOUT_END };
 
 /** Which variant of the kernels to build. */
 struct program_options {
     bool persistent;     // trace, direct, directional: work from a queue
     bool bvh_wide;       // the 8-wide BVH instead of the binary one
     bool bvh_quad;       // the 4-wide one instead
+    bool bvh_compressed; // the compressed one instead
     bool warp_votes;     // trace, direct, directional: lanes of a warp vote (lib/warp.h)
     bool nodes_image;    // binary BVH's nodes through a 1D texture
     bool ray_spans;      // trace: rays carry how near and how far they look

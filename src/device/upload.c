@@ -14,6 +14,7 @@ static struct bvh_arrays find_arrays(const struct upload_source *source, enum bv
     const struct packed_bvh *bvh = source->bvh;
     const struct wide_bvh *wide = source->wide;
     const struct quad_bvh *quad = source->quad;
+    const struct compressed_bvh *compressed = source->compressed;
     if (layout == LAYOUT_WIDE)
         return (struct bvh_arrays){
             .nodes = wide->nodes,
@@ -31,6 +32,15 @@ static struct bvh_arrays find_arrays(const struct upload_source *source, enum bv
             .nodes_size = quad->node_count * sizeof(*quad->nodes),
             .woop_size = quad->ref_count * sizeof(*quad->woop),
             .refs_size = quad->ref_count * sizeof(*quad->refs),
+        };
+    if (layout == LAYOUT_COMPRESSED)
+        return (struct bvh_arrays){
+            .nodes = compressed->nodes,
+            .woop = compressed->woop,
+            .refs = compressed->refs,
+            .nodes_size = compressed->node_count * sizeof(*compressed->nodes),
+            .woop_size = compressed->ref_count * sizeof(*compressed->woop),
+            .refs_size = compressed->ref_count * sizeof(*compressed->refs),
         };
     return (struct bvh_arrays){
         .nodes = bvh->nodes,

@@ -11,6 +11,7 @@
 #include "core/status.h"
 #include "device/buffer.h"
 #include "device/program.h"
+#include "prep/bvh_compressed.h"
 #include "prep/bvh_pack.h"
 #include "prep/bvh_quad.h"
 #include "prep/bvh_wide.h"
@@ -27,6 +28,7 @@ struct upload_source {
     const struct packed_bvh *bvh; // without triangles, it is over those of quad
     const struct wide_bvh *wide;
     const struct quad_bvh *quad;
+    const struct compressed_bvh *compressed;
     unsigned layouts; // of these, those to be uploaded: the sum of 1 << LAYOUT_...
     const struct emitters *emitters;
     const struct environment *environment;
@@ -42,8 +44,7 @@ struct upload_sizes {
 
 /** One layout of the BVH. */
 struct device_bvh {
-    struct buffer
-        nodes; // struct bvh_node, or a view of them as a 1D texture, or wide_node or quad_node
+    struct buffer nodes; // struct bvh_node, or a view of them as a 1D texture, or another layout's
     struct buffer node_rows;  // what the view views; empty without one
     enum bvh_layout leaves;   // the layout whose triangles these nodes are over
     struct buffer woop, refs; // struct woop, or woop_block; empty in a layout over another's

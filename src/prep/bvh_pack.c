@@ -58,6 +58,31 @@ uint32_t bvh_ref_word(const struct geometry *geometry, const struct scene_materi
     return triangle | (passes ? BVH_REF_ALPHA : 0u);
 }
 
+// Where a word stands among others; count if it is none of them.
+static uint32_t find_word(const uint32_t *words, uint32_t count, uint32_t word)
+{
+    uint32_t i = 0;
+    while (i < count && words[i] != word)
+        i++;
+    return i;
+}
+
+uint32_t bvh_ref_words(uint32_t *words, uint32_t *places, const struct bvh *bvh, uint32_t first,
+                       uint32_t count, const struct tri_ref *refs, const struct geometry *geometry,
+                       const struct scene_material *materials)
+{
+    uint32_t written = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+        const uint32_t word = bvh_ref_word(geometry, materials, refs[bvh->order[i]].triangle);
+        const uint32_t place = find_word(words, written, word);
+        if (place == written)
+            words[written++] = word;
+        if (places != NULL)
+            places[i - first] = place;
+    }
+    return written;
+}
+
 enum status bvh_check_limits(const struct bvh *bvh)
 {
     if (bvh->depth > BVH_STACK_SIZE)

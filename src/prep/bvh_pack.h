@@ -53,6 +53,18 @@ void bvh_woop(struct woop *out, const struct geometry *geometry, uint32_t triang
 uint32_t bvh_ref_word(const struct geometry *geometry, const struct scene_material *materials,
                       uint32_t triangle);
 
+/**
+ * Writes the entries of refs[] for a leaf of wider trees, each triangle once.
+ *
+ * @param[out] words    [count] at most.
+ * @param[out] places   [count] which of these stands for each reference; NULL: not asked for.
+ * @param first, count  The leaf's references, as bvh->order counts.
+ * @return How many were written.
+ */
+uint32_t bvh_ref_words(uint32_t *words, uint32_t *places, const struct bvh *bvh, uint32_t first,
+                       uint32_t count, const struct tri_ref *refs, const struct geometry *geometry,
+                       const struct scene_material *materials);
+
 /** STATUS_LIMIT if child words and stacks do not reach over the tree. */
 enum status bvh_check_limits(const struct bvh *bvh);
 

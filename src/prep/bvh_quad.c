@@ -1,23 +1,15 @@
 #include "prep/bvh_quad.h"
 
-#include <float.h>
-#include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "prep/array.h"
 #include "prep/bvh_pack.h"
+#include "prep/byte_grid.h"
 #include "prep/collapse.h"
-#include "prep/vec3.h"
 
 #define LEAF_REFS 16u // most references of a subtree that becomes a leaf
-
-// Planes are put outwards by this part of a cell: beside 1, the float that a byte becomes keeps
-// 2^-9 of one.
-#define CELL_MARGIN 0x1p-6
-
-// Cells between the first and the last plane: room is left for margins and for rounding.
-#define CELLS 254.0
 
 struct packer {
     struct quad_bvh quad;
@@ -27,51 +19,22 @@ struct packer {
     const struct scene_material *materials;
 };
 
-// The boxes of a node's children.
-struct boxes {
-    float lo[QUAD_CHILDREN][3], hi[QUAD_CHILDREN][3];
-    uint32_t count;
-};
-
-// Lays a grid along one axis and puts the boxes' planes on it. False if it does not reach.
-static bool lay_grid(float *origin, float *scale, unsigned char *bytes, const struct boxes *boxes,
-                     int axis)
-{
-    float least = boxes->count > 0 ? FLT_MAX : 0.0f;
-    float most = -least;
-    for (uint32_t i = 0; i < boxes->count; i++) {
-        least = fminf(least, boxes->lo[i][axis]);
-        most = fmaxf(most, boxes->hi[i][axis]);
-    }
-
-    // An origin may be rounded down by as much as it is precise.
-    const double extent = (double)most - least + fabs(least) * 0x1p-22 + FLT_MIN;
-    const double exact = extent / CELLS * (1 << QUAD_SHIFT);
-    if (exact > FLT_MAX)
-        return false;
-    *scale = float_above(exact);
-    const double cell = *scale / (double)(1 << QUAD_SHIFT);
-    *origin = float_below(least - CELL_MARGIN * cell);
-    for (uint32_t i = 0; i < boxes->count; i++) {
-        const double lo = floor(((double)boxes->lo[i][axis] - *origin) / cell - CELL_MARGIN);
-        const double hi = ceil(((double)boxes->hi[i][axis] - *origin) / cell + CELL_MARGIN);
-        bytes[i] = (unsigned char)fmax(lo, 0.0); // -1 if the quotient rounds
-        bytes[QUAD_CHILDREN + i] = (unsigned char)fmin(hi, 255.0);
-    }
-    return true;
-}
-
 // Puts the boxes of a node on its grid. False if it does not reach.
-static bool set_boxes(struct quad_node *out, const struct boxes *boxes)
+static bool set_boxes(struct quad_node *out, const struct byte_boxes *boxes)
 {
     float origins[3], scales[3];
     unsigned char bytes[3][2 * QUAD_CHILDREN];
     for (int axis = 0; axis < 3; axis++) {
         // Children that are not there end before they begin.
-        memset(bytes[axis], 0xff, QUAD_CHILDREN);
-        memset(bytes[axis] + QUAD_CHILDREN, 0, QUAD_CHILDREN);
-        if (!lay_grid(&origins[axis], &scales[axis], bytes[axis], boxes, axis))
+        struct byte_planes planes;
+        memset(planes.lo, 0xff, sizeof(planes.lo));
+        memset(planes.hi, 0, sizeof(planes.hi));
+        if (!byte_grid_lay(&planes, boxes, axis, false))
             return false;
+        origins[axis] = planes.origin;
+        scales[axis] = planes.scale;
+        memcpy(bytes[axis], planes.lo, QUAD_CHILDREN);
+        memcpy(bytes[axis] + QUAD_CHILDREN, planes.hi, QUAD_CHILDREN);
     }
     out->grid = (float4){origins[0], origins[1], origins[2], scales[0]};
     memcpy(out->planes, bytes, sizeof(bytes));
@@ -79,29 +42,16 @@ static bool set_boxes(struct quad_node *out, const struct boxes *boxes)
     return true;
 }
 
-// Where a word stands among others; count if it is none of them.
-static uint32_t find_word(const uint32_t *words, uint32_t count, uint32_t word)
-{
-    uint32_t i = 0;
-    while (i < count && words[i] != word)
-        i++;
-    return i;
-}
-
 // Writes the references of a leaf. Returns its word.
 static int32_t pack_leaf(struct packer *p, const struct collapse_choice *choice)
 {
     const uint32_t first = p->quad.ref_count;
-    uint32_t *words = p->quad.refs + first;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < choice->count; i++) {
-        const uint32_t ref = p->collapse.bvh->order[choice->first + i];
-        const uint32_t word = bvh_ref_word(p->geometry, p->materials, p->refs[ref].triangle);
-        const uint32_t place = find_word(words, count, word);
-        if (place == count)
-            words[count++] = word;
-        p->quad.places[choice->first + i] = first + place;
-    }
+    uint32_t *places = p->quad.places + choice->first;
+    const uint32_t count =
+        bvh_ref_words(p->quad.refs + first, places, p->collapse.bvh, choice->first, choice->count,
+                      p->refs, p->geometry, p->materials);
+    for (uint32_t i = 0; i < choice->count; i++)
+        places[i] += first;
     p->quad.ref_count += count;
     return ~(int32_t)(first << BVH_LEAF_BITS | count);
 }
@@ -112,7 +62,7 @@ static enum status pack_child(int32_t *word, struct packer *p, uint32_t index);
 static enum status pack_node(int32_t *word, struct packer *p, const uint32_t *children,
                              uint32_t count)
 {
-    struct boxes boxes = {.count = count};
+    struct byte_boxes boxes = {.count = count};
     const uint32_t place = p->quad.node_count++;
     int32_t words[QUAD_CHILDREN] = {QUAD_EMPTY, QUAD_EMPTY, QUAD_EMPTY, QUAD_EMPTY};
     for (uint32_t i = 0; i < count; i++) {

@@ -25,34 +25,19 @@ struct packer {
     const struct scene_material *materials;
 };
 
-static bool is_repeated(const uint32_t *triangles, uint32_t count, uint32_t triangle)
-{
-    for (uint32_t i = 0; i < count; i++)
-        if (triangles[i] == triangle)
-            return true;
-    return false;
-}
-
 // Writes the blocks of a leaf. Returns its word.
 static int32_t pack_leaf(struct packer *p, const struct collapse_choice *choice)
 {
-    uint32_t triangles[BVH_LEAF_MAX + LEAF_REFS];
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < choice->count; i++) {
-        const uint32_t triangle = p->refs[p->collapse.bvh->order[choice->first + i]].triangle;
-        if (!is_repeated(triangles, count, triangle))
-            triangles[count++] = triangle;
-    }
-
+    uint32_t words[BVH_LEAF_MAX + LEAF_REFS];
+    const uint32_t count = bvh_ref_words(words, NULL, p->collapse.bvh, choice->first, choice->count,
+                                         p->refs, p->geometry, p->materials);
     const uint32_t first = p->wide.block_count;
     const uint32_t block_count = collapse_blocks(&p->collapse, count);
     p->wide.block_count += block_count;
     memset(&p->wide.blocks[first], 0, block_count * sizeof(*p->wide.blocks));
     memset(&p->wide.refs[(size_t)first * WIDE_BLOCK], 0xff,
            block_count * WIDE_BLOCK * sizeof(*p->wide.refs));
-    for (uint32_t i = 0; i < count; i++)
-        p->wide.refs[first * WIDE_BLOCK + i] =
-            bvh_ref_word(p->geometry, p->materials, triangles[i]);
+    memcpy(&p->wide.refs[(size_t)first * WIDE_BLOCK], words, count * sizeof(*words));
     return ~(int32_t)(first << WIDE_LEAF_BITS | block_count);
 }
 

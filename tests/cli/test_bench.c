@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "cli/bench_cave.h"
+#include "cli/bench_rays.h"
 #include "cli/bench_results.h"
 #include "core/file.h"
 #include "cli/commands.h"
@@ -190,11 +191,17 @@ static enum status run(const char *line)
 static void options_without_use_are_refused(void **state)
 {
     (void)state;
-    static const char *const lines[] = {"report --depth 3",     "--width 100",
-                                        "memory --reference a", "scale --runs 3",
-                                        "lights a.glb --quick", "trace a.glb --out b",
-                                        "scale a.glb",          "lights",
-                                        "lights a.glb b.glb",   "teapot"};
+    static const char *const lines[] = {"report --depth 3",
+                                        "--width 100",
+                                        "memory --reference a",
+                                        "scale --runs 3",
+                                        "lights a.glb --quick",
+                                        "trace a.glb --out b",
+                                        "path a.glb --views 2",
+                                        "scale a.glb",
+                                        "lights",
+                                        "lights a.glb b.glb",
+                                        "teapot"};
     for (size_t i = 0; i < sizeof(lines) / sizeof(lines[0]); i++)
         assert_int_equal(run(lines[i]), STATUS_USAGE);
     assert_int_equal(run("report nosuch.glb --out /tmp --quiet"), STATUS_IO);
@@ -224,6 +231,79 @@ static void cave_has_the_triangles_and_lights_asked_for(void **state)
         assert_int_equal(info.lights.drawn, sizes[i][1]);
         lk_scene_free(scene);
     }
+    unlink(path);
+    rmdir(folder);
+}
+
+// ---- Views
+
+#define VIEWS     4u
+#define VIEW_SIDE 32u
+
+// All rays of a view start at one place and look within 90 degrees of it; nearly all meet the
+// level.
+static void check_view(const struct lk_ray *rays, const struct lk_hit *hits)
+{
+    double ahead[3] = {0.0, 0.0, 0.0};
+    uint32_t missed = 0;
+    for (uint32_t i = 0; i < VIEW_SIDE * VIEW_SIDE; i++) {
+        assert_memory_equal(rays[i].org, rays[0].org, sizeof(rays[0].org));
+        for (int k = 0; k < 3; k++)
+            ahead[k] += rays[i].dir[k];
+        missed += hits[i].triangle == LK_HIT_NONE;
+    }
+    const double length = sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1] + ahead[2] * ahead[2]);
+    assert_true(fabs(ahead[1]) < 1e-3 * length); // a level heading
+    assert_true(missed < VIEW_SIDE * VIEW_SIDE / 4);
+    for (uint32_t i = 0; i < VIEW_SIDE * VIEW_SIDE; i++) {
+        double part = 0.0;
+        for (int k = 0; k < 3; k++)
+            part += rays[i].dir[k] * ahead[k] / length;
+        assert_true(part > 1.0 / sqrt(3.0)); // the corners of a square of 90 degrees
+    }
+}
+
+static void views_stand_apart_inside_the_level(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/lightkiln_bench_XXXXXX";
+    char path[128];
+    struct lk_scene *scene = NULL;
+    struct lk_tracer *tracer = NULL;
+    struct lk_settings settings;
+    struct ray_set sets[RAY_CLASSES], again[RAY_CLASSES];
+    static struct lk_hit hits[VIEWS * VIEW_SIDE * VIEW_SIDE];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/cave.glb", folder);
+    lk_settings_init(&settings);
+    settings.width = VIEWS * VIEW_SIDE;
+    settings.height = VIEW_SIDE;
+    assert_int_equal(bench_cave_write(path, 1000, 1), STATUS_OK);
+    assert_int_equal(lk_scene_load(&scene, path), LK_OK);
+    assert_int_equal(lk_tracer_create(&tracer, scene, &settings), LK_OK);
+    assert_int_equal(ray_sets_make(sets, scene, tracer, VIEWS), STATUS_OK);
+    assert_int_equal(ray_sets_make(again, scene, tracer, VIEWS), STATUS_OK);
+
+    const struct ray_set *primary = &sets[RAYS_PRIMARY];
+    assert_int_equal(primary->count, VIEWS * VIEW_SIDE * VIEW_SIDE);
+    assert_int_equal(ray_set_trace(hits, tracer, primary), STATUS_OK);
+    for (uint32_t i = 0; i < VIEWS; i++) {
+        const uint32_t first = i * VIEW_SIDE * VIEW_SIDE;
+        check_view(primary->rays + first, hits + first);
+        for (uint32_t j = 0; j < i; j++)
+            assert_memory_not_equal(primary->rays[first].org,
+                                    primary->rays[j * VIEW_SIDE * VIEW_SIDE].org,
+                                    sizeof(primary->rays[0].org));
+    }
+    for (int k = 0; k < RAY_CLASSES; k++) {
+        assert_int_equal(sets[k].count, again[k].count);
+        assert_memory_equal(sets[k].rays, again[k].rays, sets[k].count * sizeof(*sets[k].rays));
+    }
+    ray_sets_free(again);
+    ray_sets_free(sets);
+    assert_int_equal(ray_sets_make(sets, scene, tracer, 17), STATUS_USAGE); // too small
+    lk_tracer_free(tracer);
+    lk_scene_free(scene);
     unlink(path);
     rmdir(folder);
 }
@@ -297,6 +377,7 @@ int main(void)
         cmocka_unit_test(conclusions_follow_the_measurements),
         cmocka_unit_test(options_without_use_are_refused),
         cmocka_unit_test(cave_has_the_triangles_and_lights_asked_for),
+        cmocka_unit_test(views_stand_apart_inside_the_level),
         cmocka_unit_test(path_tells_what_adds_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

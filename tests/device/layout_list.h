@@ -6,6 +6,7 @@
 #define TESTS_DEVICE_LAYOUT_LIST_H
 
 #include "shared/bvh.h"
+#include "shared/bvh_compressed.h"
 #include "shared/bvh_quad.h"
 #include "shared/bvh_wide.h"
 #include "shared/camera.h"
@@ -30,6 +31,8 @@
     M(woop, row_w) M(woop, row_u) M(woop, row_v)                                                   \
     S(quad_node)                                                                                   \
     M(quad_node, grid) M(quad_node, planes) M(quad_node, words)                                    \
+    S(compressed_node)                                                                             \
+    M(compressed_node, head) M(compressed_node, links) M(compressed_node, planes)                  \
     S(wide_node)                                                                                   \
     M(wide_node, rows)                                                                             \
     S(woop_block)                                                                                  \

@@ -17,7 +17,7 @@
 #include "trace_oracle.h"
 #include "trace_rays.h"
 
-#define VARIANT_COUNT 31
+#define VARIANT_COUNT 39
 #define BLENDED_ALPHA 0.4
 #define RAYS          2100u
 #define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
@@ -35,6 +35,8 @@ enum tree {
     TREE_QUAD,
     TREE_QUAD_SPLIT,
     TREE_OVER, // binary, over the triangles of the 4-wide one; with splits
+    TREE_COMPRESSED,
+    TREE_COMPRESSED_SPLIT,
     TREES
 };
 
@@ -71,6 +73,18 @@ static const struct variant all_variants[VARIANT_COUNT] = {
     {.tree = TREE_QUAD_SPLIT, .options = {.bvh_quad = true, .warp_votes = true}},
     {.tree = TREE_QUAD,
      .options = {.bvh_quad = true, .warp_votes = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED, .options = {.bvh_compressed = true}},
+    {.tree = TREE_COMPRESSED_SPLIT, .options = {.bvh_compressed = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED_SPLIT, .options = {.bvh_compressed = true, .persistent = true}},
+    {.tree = TREE_COMPRESSED,
+     .options = {.bvh_compressed = true, .persistent = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED_SPLIT, .options = {.bvh_compressed = true, .warp_votes = true}},
+    {.tree = TREE_COMPRESSED,
+     .options = {.bvh_compressed = true, .warp_votes = true, .alpha = true}},
+    {.tree = TREE_COMPRESSED,
+     .options = {.bvh_compressed = true, .warp_votes = true, .persistent = true}},
+    {.tree = TREE_COMPRESSED_SPLIT,
+     .options = {.bvh_compressed = true, .warp_votes = true, .persistent = true, .alpha = true}},
     {.tree = TREE_WIDE, .options = {.bvh_wide = true}, .packets = true},
     {.tree = TREE_WIDE_SPLIT, .options = {.bvh_wide = true, .alpha = true}, .packets = true},
     {.tree = TREE_WIDE,
@@ -115,9 +129,23 @@ static inline bool is_quad(enum tree tree)
     return tree == TREE_QUAD || tree == TREE_QUAD_SPLIT;
 }
 
+static inline bool is_compressed(enum tree tree)
+{
+    return tree == TREE_COMPRESSED || tree == TREE_COMPRESSED_SPLIT;
+}
+
+static inline bool is_split(enum tree tree)
+{
+    return tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT || tree == TREE_QUAD_SPLIT ||
+           tree == TREE_COMPRESSED_SPLIT || tree == TREE_OVER;
+}
+
 static inline enum bvh_layout layout_of(enum tree tree)
 {
-    return is_wide(tree) ? LAYOUT_WIDE : is_quad(tree) ? LAYOUT_QUAD : LAYOUT_BINARY;
+    return is_wide(tree)         ? LAYOUT_WIDE
+           : is_quad(tree)       ? LAYOUT_QUAD
+           : is_compressed(tree) ? LAYOUT_COMPRESSED
+                                 : LAYOUT_BINARY;
 }
 
 static inline void build_variant(struct variant *variant, struct gpu *gpu)
@@ -151,8 +179,10 @@ static inline struct fixture make_fixture(struct gpu *gpu)
         build_variant(variant, gpu);
     }
     for (enum tree tree = 0; tree < TREES; tree++) {
-        const struct program_options options = {
-            .alpha = true, .bvh_wide = is_wide(tree), .bvh_quad = is_quad(tree)};
+        const struct program_options options = {.alpha = true,
+                                                .bvh_wide = is_wide(tree),
+                                                .bvh_quad = is_quad(tree),
+                                                .bvh_compressed = is_compressed(tree)};
         if (tree != TREE_TEXTURE)
             f.any_hit[tree] = device_program(gpu, "any_hit", &options);
     }
@@ -181,8 +211,8 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
     struct packed_bvh packed = {0};
     struct wide_bvh wide = {0};
     struct quad_bvh quad = {0};
-    if (tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT || tree == TREE_QUAD_SPLIT ||
-        tree == TREE_OVER) {
+    struct compressed_bvh compressed = {0};
+    if (is_split(tree)) {
         assert_ok(sbvh_build(&bvh, refs, scene->ref_count, &scene->geometry, 8));
         assert_ok(bvh_reinsert(&bvh, refs, &scene->geometry));
     } else {
@@ -192,6 +222,9 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
         assert_ok(wide_bvh_pack(&wide, &bvh, refs, &scene->geometry, scene->scene_materials));
     else if (is_quad(tree) || tree == TREE_OVER)
         assert_ok(quad_bvh_pack(&quad, &bvh, refs, &scene->geometry, scene->scene_materials));
+    else if (is_compressed(tree))
+        assert_ok(
+            compressed_bvh_pack(&compressed, &bvh, refs, &scene->geometry, scene->scene_materials));
     else
         assert_ok(bvh_pack(&packed, &bvh, refs, &scene->geometry, scene->scene_materials));
     if (tree == TREE_OVER)
@@ -203,12 +236,14 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
                                          .wide = &wide,
                                          .quad = &quad,
                                          .layouts = 1u << layout_of(tree),
+                                         .compressed = &compressed,
                                          .emitters = &no_emitters,
                                          .environment = &no_environment,
                                          .light_tree = &no_tree,
                                          .light_bvh = &no_bvh,
                                          .materials = &materials};
     assert_ok(upload(&scene->trees[tree], f->gpu, &source, tree == TREE_TEXTURE, false));
+    compressed_bvh_free(&compressed);
     quad_bvh_free(&quad);
     wide_bvh_free(&wide);
     packed_bvh_free(&packed);

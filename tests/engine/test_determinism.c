@@ -179,7 +179,7 @@ static void traversal_variants_agree(void **state)
     skip_without_device();
     struct lk_settings simple = small_settings();
     simple.trace = LK_TRACE_SIMPLE;
-    for (simple.bvh = LK_BVH_BINARY; simple.bvh <= LK_BVH_QUAD; simple.bvh++) {
+    for (simple.bvh = LK_BVH_BINARY; simple.bvh <= LK_BVH_COMPRESSED; simple.bvh++) {
         struct lk_settings persistent = simple;
         persistent.trace = LK_TRACE_PERSISTENT;
         assert_same_picture(&simple, &persistent);
@@ -200,7 +200,7 @@ static void layouts_of_the_bvh_agree(void **state)
     struct lk_settings wider = binary;
     binary.bvh = LK_BVH_BINARY;
     binary.bvh_build = LK_BVH_BUILD_SBVH;
-    for (wider.bvh = LK_BVH_WIDE; wider.bvh <= LK_BVH_QUAD; wider.bvh++)
+    for (wider.bvh = LK_BVH_WIDE; wider.bvh <= LK_BVH_COMPRESSED; wider.bvh++)
         assert_close_picture(&binary, &wider);
     struct lk_settings thesis = binary;
     thesis.bvh_build = LK_BVH_BUILD_THESIS;

@@ -126,12 +126,39 @@ static void geometry_and_lights_are_in_world_space(void **state)
     lk_scene_free(scene);
 }
 
+// The floor is one node; a ray that misses its boxes tests no triangle, others some of the two.
+static void visits_are_those_of_the_floor(void **state)
+{
+    (void)state;
+    struct lk_scene *scene = load_floor();
+    const struct lk_settings settings = test_settings(SIZE, SIZE, 1);
+    const struct lk_ray rays[] = {
+        {{0.3f, 2, 0.5f}, 0.0f, {0, -1, 0}, FLT_MAX}, // down
+        {{0.3f, 2, 0.5f}, 0.0f, {0, 1, 0}, FLT_MAX},  // up
+        {{0.3f, 2, 0.5f}, 0.0f, {0, -1, 0}, FLT_MAX}, // down
+        {{5.0f, 2, 0.5f}, 0.0f, {0, -1, 0}, FLT_MAX}, // beside
+    };
+    for (int any_hit = 0; any_hit < 2; any_hit++) {
+        struct lk_visits all, missing, none;
+        assert_int_equal(lk_scene_visits(&all, scene, &settings, rays, 4, 1, any_hit), LK_OK);
+        assert_int_equal(lk_scene_visits(&missing, scene, &settings, rays + 1, 3, 2, any_hit),
+                         LK_OK);
+        assert_int_equal(lk_scene_visits(&none, scene, &settings, rays, 0, 1, any_hit), LK_OK);
+        assert_true(all.nodes == 1.0);
+        assert_true(all.triangles >= 0.5 && all.triangles <= 1.0);
+        assert_true(missing.nodes == 1.0 && missing.triangles == 0.0);
+        assert_true(none.nodes == 0.0 && none.triangles == 0.0);
+    }
+    lk_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(camera_rays_meet_the_floor_below),
         cmocka_unit_test(rays_end_where_they_should),
         cmocka_unit_test(too_many_rays_or_launches_are_refused),
+        cmocka_unit_test(visits_are_those_of_the_floor),
         cmocka_unit_test(geometry_and_lights_are_in_world_space),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

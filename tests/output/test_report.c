@@ -192,7 +192,7 @@ static void every_choice_has_a_word(void **state)
     assert_int_equal(count(choices_light_sampler), LK_LIGHTS_IMPORTANCE + 1);
     assert_int_equal(count(choices_sampler), LK_SAMPLER_RANDOM + 1);
     assert_int_equal(count(choices_trace), LK_TRACE_WARPS + 1);
-    assert_int_equal(count(choices_bvh), LK_BVH_QUAD + 1);
+    assert_int_equal(count(choices_bvh), LK_BVH_COMPRESSED + 1);
     assert_int_equal(count(choices_bvh_build), LK_BVH_BUILD_THESIS + 1);
     assert_int_equal(count(choices_textures), LK_TEXTURES_POOL + 1);
     assert_int_equal(count(choices_nodes), LK_NODES_TEXTURE + 1);
