@@ -89,12 +89,20 @@ static inline struct shadow direct_weigh(__global const struct light *lights,
 
 #if SHADE_LANES
 
+// One light needs no choice, and that by eight walks is a seventh of this stage.
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+#define DIRECT_HAS_CHOICE(settings) ((settings)->light_count > 1)
+#else
+#define DIRECT_HAS_CHOICE(settings) true
+#endif
+
 // What eight hits choose lights by, and what they have chosen.
 struct direct_lanes {
     float p[3][LANES], normal[3][LANES];
     struct light_choice choices[LANES];
+    uint only; // bits of hits that are yet to take the only light
     uint light[LANES];
-    float expected[LANES]; // times a hit takes its light, on average
+    float8 expected; // times a hit takes its light, on average
 };
 
 // Lets those hits that have a bit choose lights.
@@ -103,6 +111,9 @@ static inline void direct_lanes_begin(struct direct_lanes *d, __constant struct 
                                       const struct lambert_lanes *b, uint bits, const uint round,
                                       const uint8 numbers)
 {
+    d->only = bits;
+    if (!DIRECT_HAS_CHOICE(settings))
+        return;
     uint number[LANES];
     vstore8(numbers, 0, number);
     vstore8(b->org.x, 0, d->p[0]);
@@ -125,8 +136,14 @@ static inline uint direct_lanes_next(struct direct_lanes *d, __constant struct s
                                      __global const float4 *light_nodes, uint bits)
 {
     uint drawn = 0;
-    vstore8((uint8)(0u), 0, d->light);
-    vstore8((float8)(1.0f), 0, d->expected);
+    uint8 lights = (uint8)(0u);
+    d->expected = (float8)(1.0f);
+    if (!DIRECT_HAS_CHOICE(settings)) {
+        drawn = d->only;
+        d->only = 0;
+        d->expected = (float8)((float)settings->shadow_rays);
+        bits = 0;
+    }
     for (; bits != 0; bits &= bits - 1) {
         const uint k = lanes_lowest(bits);
         float expected;
@@ -135,11 +152,12 @@ static inline uint direct_lanes_next(struct direct_lanes *d, __constant struct s
                               (float3)(d->p[0][k], d->p[1][k], d->p[2][k]),
                               (float3)(d->normal[0][k], d->normal[1][k], d->normal[2][k]));
         if (light != EMITTER_NONE) {
-            d->light[k] = light;
-            d->expected[k] = expected;
+            lights = lanes_put_word(lights, k, light);
+            d->expected = lanes_put(d->expected, k, expected);
             drawn |= 1u << k;
         }
     }
+    vstore8(lights, 0, d->light);
     return drawn;
 }
 
@@ -159,8 +177,7 @@ static inline uint direct_weigh_lanes(struct shadow_lanes *out, const struct dir
     struct lanes3 value = lanes3_mul(lanes3_scale(b->diffuse, density), sampled.radiance);
     const int8 needed = (cosine > 0.0f) & (lanes3_dot(b->geometric, sampled.dir) > 0.0f) &
                         (lanes3_max(value) > 0.0f) & lanes_mask(bits);
-    const float8 expected = vload8(0, d->expected);
-    const float8 times = sampled.density > 0.0f ? expected * sampled.density : expected;
+    const float8 times = sampled.density > 0.0f ? d->expected * sampled.density : d->expected;
     const float8 shared = lanes_mis_weight(times, density) / times;
     value = lanes3_scale(value, sampled.is_hittable & ~b->alone ? shared : 1.0f / times);
     shadow_lanes_set(out, sampled.dir, sampled.distance * SHADOW_REACH, value, needed);
@@ -220,15 +237,16 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
                 struct shadow_lanes shadows;
                 uint open = direct_weigh_lanes(&shadows, &d, lights, shapes, &scene.surface,
                                                left & hits.lambert, &hits.b, u0, u1);
-                float s[LANES], t[LANES];
+                float s[LANES], t[LANES], expected[LANES];
                 vstore8(u0, 0, s);
                 vstore8(u1, 0, t);
+                vstore8(d.expected, 0, expected);
                 for (uint rest = left & hits.others; rest != 0; rest &= rest - 1) {
                     const uint k = lanes_lowest(rest);
                     const uint slot = hits.slots[k];
                     const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
                     const struct shadow shadow =
-                        direct_weigh(lights, shapes, &scene.surface, d.light[k], d.expected[k], &b,
+                        direct_weigh(lights, shapes, &scene.surface, d.light[k], expected[k], &b,
                                      rays[slot].org.xyz, path_is_alone(&paths[slot]), s[k], t[k]);
                     open |= shadow_lanes_set_one(&shadows, k, &shadow);
                 }

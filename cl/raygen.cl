@@ -51,19 +51,20 @@ static inline void raygen_lanes(__constant struct settings *settings,
     // Pick points inside the pixels: box filter, one pixel wide.
     const struct lanes_place place = lanes_place(batch, places, slot);
     uint pixel[LANES];
-    float columns[LANES], rows[LANES];
     vstore8(place.pixel, 0, pixel);
-    uint2 at;
+    float8 columns, rows;
     for (uint k = 0; k < LANES; k++) {
-        if (k == 0 || pixel[k] != pixel[k - 1]) // samples of a pixel are side by side
-            at = zorder_place(pixel[k], camera->width, camera->height);
-        columns[k] = (float)at.x;
-        rows[k] = (float)at.y;
+        if (k != 0 && pixel[k] == pixel[k - 1])
+            continue; // samples of a pixel are side by side
+        const uint2 at = zorder_place(pixel[k], camera->width, camera->height);
+        const int8 from_here = (int8)(0, 1, 2, 3, 4, 5, 6, 7) >= (int8)(int)k;
+        columns = from_here ? (float8)((float)at.x) : columns;
+        rows = from_here ? (float8)((float)at.y) : rows;
     }
     const struct lanes_numbers numbers =
         lanes_draw(settings, points, place.pixel, place.sample, 0, RNG_USE_CAMERA, (uint8)(0u));
-    const float8 x = vload8(0, columns) + lanes_unit(numbers.y);
-    const float8 y = vload8(0, rows) + lanes_unit(numbers.z);
+    const float8 x = columns + lanes_unit(numbers.y);
+    const float8 y = rows + lanes_unit(numbers.z);
 
     // Aim from the eye through them, or along the view from them.
     const struct lanes3 point = {camera->corner.x + x * camera->right.x + y * camera->down.x,

@@ -11,7 +11,7 @@
 // smooth; ANY_HIT: whether there is a hit, of any triangle: hits[slot].triangle is 0 or HIT_NONE.
 //
 // trace_packets does the same for rays that run alike, on CPUs: neighbours in the queue go together
-// (lib/traverse_packet.h).
+// (lib/traverse_packet.h). trace_few does so where there are few triangles (lib/traverse_few.h).
 
 // Groups of one warp free their place at once: an H100 traces primary rays in Sponza at 6 to 9 %
 // more rays/s than in groups of two, bounces at 0 to 6 % more, and any hit over the binary BVH at 4
@@ -191,6 +191,47 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_packets(
         if (tinted & (1u << k))
             trace_tint(nodes, &scene, trace_load(rays, slot), hit.t, &paths[slot]);
 #endif
+    }
+}
+
+#endif
+
+#if DEVICE_CPU && BVH_WIDE && !ANY_HIT && !ALPHA
+
+#include "lib/shade_lanes.h"
+#include "lib/traverse_few.h"
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_few(TRACE_PARAMETERS,
+                                                                       const uint block_count)
+{
+    TRACED_SCENE(scene);
+    const uint count = counters[bounce].active;
+    SHADE_LANES_LOOP(i, count)
+    {
+        uint slots[LANES];
+        const uint used = shade_lanes_slots(slots, queue, i, count);
+        const struct lanes4 org = LANES_OF(rays, slots, .org);
+        const struct lanes4 dir = LANES_OF(rays, slots, .dir);
+        struct few_hits found;
+#if RAY_SPANS
+        const float8 tmin = org.w;
+        found.t = dir.w;
+#else
+        const float8 tmin = (float8)(0.0f);
+        found.t = (float8)(FLT_MAX);
+#endif
+        found.u = (float8)(0.0f);
+        found.v = (float8)(0.0f);
+        found.ref = (uint8)(HIT_NONE);
+        traverse_few(&found, &scene, block_count, lanes3_xyz(org), lanes3_xyz(dir), tmin);
+
+        // Name the triangles.
+        uint ref[LANES];
+        vstore8(found.ref != HIT_NONE ? found.ref : (uint8)(0u), 0, ref);
+        const uint8 triangle = LANES_WORD(uint8, refs, ref, ) & BVH_REF_TRIANGLE;
+        const uint8 name = found.ref != HIT_NONE ? triangle : (uint8)(HIT_NONE);
+        const struct lanes4 hit = {found.t, found.u, found.v, as_float8(name)};
+        LANES_STORE(((__global float4 *)hits), slots, , used, hit);
     }
 }
 

@@ -223,7 +223,7 @@ static uint32_t judge_variants(const struct subject *s)
     uint32_t count = 0;
     struct lk_settings variant = subject_settings(s, s->reference->spp);
     variant.seed = s->first_seed;
-    for (variant.bvh = LK_BVH_BINARY; variant.bvh <= LK_BVH_QUAD; variant.bvh++)
+    for (variant.bvh = LK_BVH_BINARY; variant.bvh <= LK_BVH_COMPRESSED; variant.bvh++)
         for (variant.trace = LK_TRACE_SIMPLE; variant.trace <= LK_TRACE_WARPS; variant.trace++)
             count += judge_variant(s, &variant);
     variant.bvh = LK_BVH_BINARY;

@@ -22,6 +22,7 @@ static inline struct lanes3 light_lanes_emission(const struct surface *surface, 
 {
     uint triangles[LANES];
     float u[LANES], v[LANES], r[LANES], g[LANES], b[LANES];
+    struct lanes3 out = color;
     vstore8(triangle, 0, triangles);
     vstore8(s, 0, u);
     vstore8(t, 0, v);
@@ -32,11 +33,9 @@ static inline struct lanes3 light_lanes_emission(const struct surface *surface, 
         const uint k = lanes_lowest(bits);
         const float3 emission =
             light_triangle_emission(surface, triangles[k], (float3)(r[k], g[k], b[k]), u[k], v[k]);
-        r[k] = emission.x;
-        g[k] = emission.y;
-        b[k] = emission.z;
+        out = lanes3_put(out, k, emission);
     }
-    return lanes3_make(vload8(0, r), vload8(0, g), vload8(0, b));
+    return out;
 }
 
 // The glTF window that ends lights at their ranges: light_window().

@@ -47,19 +47,15 @@ static inline struct lanes3 material_lanes_texture(const struct surface *s,
                                                    const struct material_lanes_hits *h, uint bits,
                                                    const uint use, const struct lanes3 color)
 {
-    float r[LANES], g[LANES], b[LANES];
-    vstore8((float8)(1.0f), 0, r);
-    vstore8((float8)(1.0f), 0, g);
-    vstore8((float8)(1.0f), 0, b);
+    const float8 one = (float8)(1.0f);
+    struct lanes3 texels = {one, one, one};
     for (; bits != 0; bits &= bits - 1) {
         const uint k = lanes_lowest(bits);
         const float4 texel = texture_fetch_pool(
             s->texels, &s->materials[h->material[k]].textures[use], material_lanes_uv(s, h, k));
-        r[k] = texel.x;
-        g[k] = texel.y;
-        b[k] = texel.z;
+        texels = lanes3_put(texels, k, texel.xyz);
     }
-    return lanes3_mul(color, lanes3_make(vload8(0, r), vload8(0, g), vload8(0, b)));
+    return lanes3_mul(color, texels);
 }
 
 // Lanes whose materials have a texture of this use.
@@ -175,8 +171,8 @@ static inline uint material_lanes(
         const struct lanes3 before = lanes_oct_unpack(as_uint8(radiance_normal.w));
         const uint met_by_light =
             shining & lanes_bits((path_bits & PATH_SPECULAR) == 0u); // may be found by lights
-        float weight[LANES], cosines[LANES], normal[3][LANES], t[LANES], densities[LANES];
-        vstore8((float8)(1.0f), 0, weight);
+        float cosines[LANES], normal[3][LANES], t[LANES], densities[LANES];
+        float8 weight = (float8)(1.0f);
         vstore8(fabs(cosine), 0, cosines);
         vstore8(before.x, 0, normal[0]);
         vstore8(before.y, 0, normal[1]);
@@ -193,9 +189,9 @@ static inline uint material_lanes(
             const float count =
                 light_expected_count(settings, light_nodes, light_parents, light_leaves, org,
                                      (float3)(normal[0][k], normal[1][k], normal[2][k]), emitter);
-            weight[k] = mis_weight(densities[k], count * density);
+            weight = lanes_put(weight, k, mis_weight(densities[k], count * density));
         }
-        const float8 counts = shines ? vload8(0, weight) : (float8)(0.0f);
+        const float8 counts = shines ? weight : (float8)(0.0f);
         radiance = lanes3_add(radiance, lanes3_mul(lanes3_scale(throughput, counts), emission));
     }
 

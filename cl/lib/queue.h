@@ -32,7 +32,8 @@
 
 // Size of a group of a kernel that traces. Two warps: a finished group frees its place at once, but
 // an NVIDIA unit holds 32 groups at most, half its warps if there is one in each (an H100 traces 2
-// to 6 % more rays/s than with 32; but see cl/trace.cl). On CPUs PoCL's runs of 64 items hide its scheduling.
+// to 6 % more rays/s than with 32; but see cl/trace.cl). On CPUs PoCL's runs of 64 items hide its
+// scheduling.
 #ifndef WG_TRACE
 #if PERSISTENT && WARP_VOTES
 #define WG_TRACE 128 // four warps, each with a queue of its own

@@ -39,7 +39,7 @@ static inline float3 shadow_trace(BVH_NODES nodes, const struct traced *scene, c
 struct shadow_lanes {
     float dir_x[LANES], dir_y[LANES], dir_z[LANES];
     float reach[LANES];
-    float value_x[LANES], value_y[LANES], value_z[LANES]; // 0 where there is no ray
+    struct lanes3 value; // 0 where there is no ray
 };
 
 // Eight hits to light.
@@ -84,9 +84,7 @@ static inline void shadow_lanes_set(struct shadow_lanes *shadows, const struct l
     vstore8(dir.y, 0, shadows->dir_y);
     vstore8(dir.z, 0, shadows->dir_z);
     vstore8(reach, 0, shadows->reach);
-    vstore8(needed ? value.x : zero, 0, shadows->value_x);
-    vstore8(needed ? value.y : zero, 0, shadows->value_y);
-    vstore8(needed ? value.z : zero, 0, shadows->value_z);
+    shadows->value = lanes3_select(needed, value, lanes3_make(zero, zero, zero));
 }
 
 // Sets one lane after the others. Returns its bit if the ray is needed.
@@ -99,29 +97,45 @@ static inline uint shadow_lanes_set_one(struct shadow_lanes *shadows, const uint
     shadows->dir_y[lane] = shadow->dir.y;
     shadows->dir_z[lane] = shadow->dir.z;
     shadows->reach[lane] = shadow->reach;
-    shadows->value_x[lane] = shadow->value.x;
-    shadows->value_y[lane] = shadow->value.y;
-    shadows->value_z[lane] = shadow->value.z;
+    shadows->value = lanes3_put(shadows->value, lane, shadow->value);
     return 1u << lane;
+}
+
+// The share of light that comes along one of them.
+static inline float3 shadow_lanes_share(const struct shadow_lanes *shadows, BVH_NODES nodes,
+                                        const struct traced *scene, const uint *slots, const uint k,
+                                        __global const struct ray *rays)
+{
+    return traverse_light(nodes, scene, rays[slots[k]].org.xyz,
+                          (float3)(shadows->dir_x[k], shadows->dir_y[k], shadows->dir_z[k]),
+                          shadows->reach[k]);
 }
 
 // What the shadow rays bring: those of `bits` are traced from the slots' points, others bring
 // nothing.
-static inline struct lanes3 shadow_lanes_trace(struct shadow_lanes *shadows, BVH_NODES nodes,
+static inline struct lanes3 shadow_lanes_trace(const struct shadow_lanes *shadows, BVH_NODES nodes,
                                                const struct traced *scene, const uint *slots,
                                                uint bits, __global const struct ray *rays)
 {
+    const float8 zero = (float8)(0.0f);
+    const struct lanes3 none = {zero, zero, zero};
+#if ALPHA
+    struct lanes3 shares = none;
     for (; bits != 0; bits &= bits - 1) {
         const uint k = lanes_lowest(bits);
-        const float3 share = traverse_light(
-            nodes, scene, rays[slots[k]].org.xyz,
-            (float3)(shadows->dir_x[k], shadows->dir_y[k], shadows->dir_z[k]), shadows->reach[k]);
-        shadows->value_x[k] *= share.x;
-        shadows->value_y[k] *= share.y;
-        shadows->value_z[k] *= share.z;
+        shares = lanes3_put(shares, k, shadow_lanes_share(shadows, nodes, scene, slots, k, rays));
     }
-    return lanes3_make(vload8(0, shadows->value_x), vload8(0, shadows->value_y),
-                       vload8(0, shadows->value_z));
+    return lanes3_mul(shadows->value, shares);
+#else
+    // All comes or nothing: a bit for each ray is all that lives on while rays are traced.
+    uint open = 0;
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        if (shadow_lanes_share(shadows, nodes, scene, slots, k, rays).x > 0.0f)
+            open |= 1u << k;
+    }
+    return lanes3_select(lanes_mask(open), shadows->value, none);
+#endif
 }
 
 // Adds what came to the paths of the hits.

@@ -36,6 +36,7 @@ static enum status refuse(const char *experiment, const struct options *options)
         {"camera", "lights trace path", given->camera != none->camera},
         {"depth", "lights path", given->depth != none->depth},
         {"shadow-rays", "lights path", given->shadow_rays != none->shadow_rays},
+        {"light-sampler", "path", given->light_sampler != none->light_sampler},
         {"time", "lights path report memory scale", given->time_s != none->time_s},
         {"reference", "lights report", options->reference != NULL},
         {"reference-time", "lights report", options->reference_time_s > 0.0},

@@ -3,12 +3,12 @@
 
 #include "cli/bench.h"
 #include "cli/bench_oracle.h"
+#include "cli/bench_rates.h"
 #include "cli/bench_rays.h"
 #include "cli/progress.h"
 #include "core/json.h"
 
-#define RUN_SECONDS 0.02 // a run launches as often as fills that, where launches are short
-#define RUNS_MAX    1000
+#define RUNS_MAX 1000
 
 #define VISITS_SAMPLE 16384u // rays whose visits are counted, of each class
 
@@ -100,10 +100,7 @@ static enum status warm_up(struct row *row, enum ray_class class, const struct b
     if (status != LK_OK)
         return (enum status)status;
     cell->wrong = oracle_count_wrong(&b->oracles[class], set, hits);
-    const double launches = RUN_SECONDS / (seconds > 1e-6 ? seconds : 1e-6);
-    cell->launches = launches < 1.0               ? 1
-                     : launches > LK_LAUNCHES_MAX ? LK_LAUNCHES_MAX
-                                                  : (uint32_t)launches;
+    cell->launches = ray_launches(seconds);
     return STATUS_OK;
 }
 

@@ -133,7 +133,10 @@ void help_print_command(FILE *file, enum command command)
             "path SCENE: renders the scene at depth 1 and 5, or --depth, as the thesis does and "
             "as\n"
             "is the default, taking turns, and prints the median of --runs runs of --time\n"
-            "seconds, least and most, in million paths a second, and each kernel's share.\n\n"
+            "seconds, least and most, in million paths a second, and each kernel's share.\n"
+            "Rays alone is the part of that time in which bench trace's rays of the same kinds\n"
+            "would be traced, as many as the paths have, by the same kernels and nothing else.\n"
+            "--light-sampler is that of the default way; the thesis's is tree.\n\n"
             "memory [SCENE...]: bytes on the device and rays a second against the size of the\n"
             "ray queue.\n\n"
             "scale: a cave of 10,000 to 10,000,000 triangles, and with 1 to 1,000,000 lights.\n");

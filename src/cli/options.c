@@ -53,7 +53,7 @@ const struct option option_table[] = {
     HEADING(SIZED, "Light"),
     {"depth", 0, BOTH, "D", "shaded hits of a path; 1 is direct light alone", NULL, UINT(settings.depth, 1, 255)},
     {"shadow-rays", 0, BOTH, "N", "draws of lights per hit; importance: up to 8 each", NULL, UINT(settings.shadow_rays, 1, 64)},
-    {"light-sampler", 0, RENDER | INFO, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
+    {"light-sampler", 0, SIZED, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
     {"brdf", 0, BOTH, NULL, "metallic-roughness, or diffuse + Phong lobe", NULL, CHOICE(settings.brdf, choices_brdf)},
     {"sampler", 0, RENDER, NULL, "how samples of a pixel are spread", NULL, CHOICE(settings.sampler, choices_sampler)},
     {"seed", 0, BOTH, "N", "another seed gives other noise", NULL, UINT(settings.seed, 0, UINT32_MAX)},

@@ -14,6 +14,7 @@
 struct buffer {
     struct _cl_mem *handle; // owned
     size_t size;            // bytes
+    void *pages;            // where a CPU keeps it, if that is ours; owned
 };
 
 /**

@@ -63,6 +63,7 @@ void raygen_free(struct raygen *raygen);
 struct trace {
     struct kernel kernel;
     struct kernel packets;  // for rays that run alike; empty where there is none
+    struct kernel few;      // for other rays among few triangles; empty where there is none
     bool tints;             // the variant that writes paths
     enum bvh_layout layout; // that it reads
 };

@@ -357,6 +357,7 @@ static void path_tells_what_adds_up(void **state)
         const double traced = number_of(json, "traced_percent", row);
         assert_true(depth == (row < 2 ? 1.0 : 5.0));
         assert_true(rays > 1.0 && rays <= 2.0 * depth + 1.0);
+        assert_true(number_of(json, "trace_only_percent", row) > 0.0);
         assert_true(number_of(json, "mpaths_per_s_least", row) <= median);
         assert_true(number_of(json, "mpaths_per_s_most", row) >= median);
         assert_true(median > 0.0 && traced > 0.0 && traced < 100.0);

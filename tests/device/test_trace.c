@@ -315,15 +315,14 @@ static void a_blended_triangle_meets_its_share_of_rays(void **state)
     free(scene);
 }
 
-static void every_queued_ray_is_traced_and_no_other(void **state)
+static void check_queues(uint32_t triangle_count)
 {
-    device_of(state);
     static const uint32_t counts[] = {0, 1, 2, 15, 16, 17, 31, 32, 33, 63, 64, 65, 1000, RAYS};
     struct trace_scene *scene = calloc(1, sizeof(*scene));
     struct job *job = calloc(1, sizeof(*job));
     struct hit all[RAYS];
     struct hit hits[RAYS];
-    make_scene(scene, &fixture, make_soup(8, SOUP, 1.0, 0.5), 0.0f);
+    make_scene(scene, &fixture, make_soup(8, triangle_count, 1.0, 0.5), 0.0f);
     make_job(job, scene, 3.0, false);
     for (uint32_t v = 0; v < fixture.variant_count; v++) {
         const struct variant *variant = &fixture.variants[v];
@@ -343,6 +342,13 @@ static void every_queued_ray_is_traced_and_no_other(void **state)
     free(job);
     release_scene(scene, &fixture);
     free(scene);
+}
+
+static void every_queued_ray_is_traced_and_no_other(void **state)
+{
+    device_of(state);
+    check_queues(SOUP);
+    check_queues(20); // few enough to be met side by side
 }
 
 int main(void)

@@ -12,9 +12,8 @@
 
 #include "prep/bvh_compressed.h"
 #include "prep/bvh_quad.h"
-#include "prep/sbvh.h"
 #include "prep/woop.h"
-#include "prep_support.h"
+#include "tree_fixture.h"
 
 #define LEAF_SIZE 8
 
@@ -26,10 +25,7 @@ enum layout { QUAD, COMPRESSED, LAYOUTS };
 // All that belongs to one tree.
 struct fixture {
     enum layout layout;
-    struct geometry geometry;
-    struct tri_ref *refs;
-    uint32_t ref_count;
-    struct bvh bvh;
+    struct tree tree;
     struct quad_bvh quad;             // or
     struct compressed_bvh compressed; // the other is empty
     const struct woop *woop;          // of that layout
@@ -49,22 +45,16 @@ struct child {
 
 static enum status pack(struct fixture *f)
 {
+    const struct tree *tree = &f->tree;
     if (f->layout == QUAD)
-        return quad_bvh_pack(&f->quad, &f->bvh, f->refs, &f->geometry, materials);
-    return compressed_bvh_pack(&f->compressed, &f->bvh, f->refs, &f->geometry, materials);
+        return quad_bvh_pack(&f->quad, &tree->bvh, tree->refs, &tree->geometry, materials);
+    return compressed_bvh_pack(&f->compressed, &tree->bvh, tree->refs, &tree->geometry, materials);
 }
 
 static void build(struct fixture *out, enum layout layout, struct geometry geometry, bool split)
 {
-    *out = (struct fixture){.layout = layout, .geometry = geometry};
-    for (uint32_t i = 0; i < geometry.triangle_count; i++)
-        geometry.triangles[i].material = i % 3 == 0;
-    assert_int_equal(presplit(&out->refs, &out->ref_count, &geometry, 0.0f), STATUS_OK);
-    if (split)
-        assert_int_equal(sbvh_build(&out->bvh, out->refs, out->ref_count, &geometry, LEAF_SIZE),
-                         STATUS_OK);
-    else
-        assert_int_equal(bvh_build(&out->bvh, out->refs, out->ref_count, LEAF_SIZE), STATUS_OK);
+    mask_every_third(&geometry);
+    *out = (struct fixture){.layout = layout, .tree = tree_make(geometry, split, LEAF_SIZE)};
     assert_int_equal(pack(out), STATUS_OK);
     out->woop = layout == QUAD ? out->quad.woop : out->compressed.woop;
     out->words = layout == QUAD ? out->quad.refs : out->compressed.refs;
@@ -78,9 +68,7 @@ static void release(struct fixture *f)
     free(f->seen);
     compressed_bvh_free(&f->compressed);
     quad_bvh_free(&f->quad);
-    bvh_free(&f->bvh);
-    free(f->refs);
-    geometry_free(&f->geometry);
+    tree_free(&f->tree);
 }
 
 static void load_quad(struct child *out, const struct quad_node *node, uint32_t child)
@@ -148,10 +136,10 @@ static void assert_holds(const double *lo, const double *hi, const float *inner_
 // Finds the node of the build tree whose references a leaf has, if it is one: a leaf of the tree.
 static const struct bvh_build_node *find_leaf(const struct fixture *f, uint32_t triangle)
 {
-    for (uint32_t i = 0; i < f->bvh.node_count; i++)
-        for (uint32_t k = 0; k < f->bvh.nodes[i].count; k++)
-            if (f->refs[f->bvh.order[f->bvh.nodes[i].left + k]].triangle == triangle)
-                return &f->bvh.nodes[i];
+    for (uint32_t i = 0; i < f->tree.bvh.node_count; i++)
+        for (uint32_t k = 0; k < f->tree.bvh.nodes[i].count; k++)
+            if (f->tree.refs[f->tree.bvh.order[f->tree.bvh.nodes[i].left + k]].triangle == triangle)
+                return &f->tree.bvh.nodes[i];
     return NULL;
 }
 
@@ -163,7 +151,7 @@ static void check_triangle(const struct fixture *f, const struct child *leaf, ui
         lo[k] = INFINITY;
         hi[k] = -INFINITY;
         for (uint32_t corner = 0; corner < 3; corner++) {
-            const float at = (&f->geometry.vertices[3 * triangle + corner].pos_normal.x)[k];
+            const float at = (&f->tree.geometry.vertices[3 * triangle + corner].pos_normal.x)[k];
             lo[k] = fminf(lo[k], at);
             hi[k] = fmaxf(hi[k], at);
         }
@@ -187,7 +175,7 @@ static void check_leaf(struct fixture *f, const struct child *child, bool split)
         const float4 *p[3];
         struct woop woop;
         for (uint32_t k = 0; k < 3; k++)
-            p[k] = &f->geometry.vertices[3 * triangle + k].pos_normal;
+            p[k] = &f->tree.geometry.vertices[3 * triangle + k].pos_normal;
         woop_build(&woop, &p[0]->x, &p[1]->x, &p[2]->x);
         assert_memory_equal(&f->woop[i], &woop, sizeof(woop));
         assert_int_equal((f->words[i] & BVH_REF_ALPHA) != 0, triangle % 3 == 0);
@@ -196,7 +184,7 @@ static void check_leaf(struct fixture *f, const struct child *child, bool split)
             assert_int_not_equal(f->words[j], f->words[i]);
         if (!split)
             check_triangle(f, child, triangle);
-        if (f->layout == QUAD && !split && f->geometry.triangle_count <= 500) {
+        if (f->layout == QUAD && !split && f->tree.geometry.triangle_count <= 500) {
             const struct bvh_build_node *leaf = find_leaf(f, triangle);
             assert_holds(child->lo, child->hi, leaf->lo, leaf->hi);
         }
@@ -277,11 +265,7 @@ static void check_layout(enum layout layout, struct geometry geometry, bool spli
     assert_true(stack < (layout == QUAD ? QUAD_STACK_SIZE : COMPRESSED_STACK_SIZE));
     assert_int_equal(f.nodes, f.node_count);
     assert_int_equal(f.leaf_refs, f.leaf_ref_count);
-    for (uint32_t i = 0; i < f.ref_count; i++)
-        assert_true(f.seen[f.refs[i].triangle] >= 1);
-    if (!split)
-        for (uint32_t i = 0; i < f.ref_count; i++)
-            assert_int_equal(f.seen[f.refs[i].triangle], 1);
+    assert_all_seen(&f.tree, f.seen, split);
     release(&f);
 }
 
@@ -334,24 +318,15 @@ static void boxes_far_away_large_and_small_are_held(void **state)
 static void equal_triangles_are_no_harm(void **state)
 {
     (void)state;
-    float corners[9 * 300];
-    for (uint32_t i = 0; i < 9 * 300; i++)
-        corners[i] = (float)(i % 9 * (i % 9));
     for (int split = 0; split < 2; split++)
-        check_tree(make_geometry(corners, 300), split);
+        check_tree(make_equal_triangles(), split);
 }
 
-// Each plane parts only the largest few from all others.
 static void deep_trees_fit_the_stack(void **state)
 {
     (void)state;
-    const uint32_t count = 4000;
-    float *corners = malloc(9 * count * sizeof(*corners));
-    for (uint32_t i = 0; i < 9 * count; i++)
-        corners[i] = (float)exp2(60.0 - 120.0 * (i / 9) / count) * (1.0f + 0.1f * (float)(i % 7));
     for (int split = 0; split < 2; split++)
-        check_tree(make_geometry(corners, count), split);
-    free(corners);
+        check_tree(make_shrinking_triangles(), split);
 }
 
 static void trees_deeper_than_the_stack_are_a_limit(void **state)
@@ -381,20 +356,15 @@ static void flat_scenes_are_held(void **state)
 static void scenes_beyond_a_grid_are_refused(void **state)
 {
     (void)state;
-    struct geometry geometry = make_soup(6, 20, 1e37, 1e30);
-    struct tri_ref *refs;
-    uint32_t ref_count;
-    struct bvh bvh;
+    struct tree tree = tree_make(make_soup(6, 20, 1e37, 1e30), false, LEAF_SIZE);
     struct quad_bvh quad;
     struct compressed_bvh compressed;
-    assert_int_equal(presplit(&refs, &ref_count, &geometry, 0.0f), STATUS_OK);
-    assert_int_equal(bvh_build(&bvh, refs, ref_count, LEAF_SIZE), STATUS_OK);
-    assert_int_equal(quad_bvh_pack(&quad, &bvh, refs, &geometry, materials), STATUS_LIMIT);
-    assert_int_equal(compressed_bvh_pack(&compressed, &bvh, refs, &geometry, materials),
+    assert_int_equal(quad_bvh_pack(&quad, &tree.bvh, tree.refs, &tree.geometry, materials),
                      STATUS_LIMIT);
-    bvh_free(&bvh);
-    free(refs);
-    geometry_free(&geometry);
+    assert_int_equal(
+        compressed_bvh_pack(&compressed, &tree.bvh, tree.refs, &tree.geometry, materials),
+        STATUS_LIMIT);
+    tree_free(&tree);
 }
 
 int main(void)
