@@ -70,7 +70,7 @@ enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
     if (status != STATUS_OK)
         return (enum lk_status)status;
     const uint64_t pixels = (uint64_t)camera.width * camera.height;
-    plan_describe(out, scene, &chosen, &camera,
+    plan_describe(out, scene, &chosen, 1u << chosen.bvh, &camera,
                   pixels < SETTINGS_QUEUE_GPU ? (uint32_t)pixels : SETTINGS_QUEUE_GPU);
     return LK_OK;
 }
@@ -202,6 +202,7 @@ static enum status open_devices(struct render *render)
 static enum status plan(struct render *render, const struct camera *camera)
 {
     struct lk_render_info *info = render->info;
+    const struct lk_settings settings = info->settings; // as asked for
     enum status status = canvas_create(&render->canvas, camera->width, camera->height);
     for (size_t i = 0; i < render->renderer_count && status == STATUS_OK; i++) {
         struct renderer *r = &render->renderers[i];
@@ -209,14 +210,16 @@ static enum status plan(struct render *render, const struct camera *camera)
         r->camera = *camera;
         r->chosen.width = camera->width;
         r->chosen.height = camera->height;
-        status = plan_memory(&described, &r->chosen, render->scene, camera, &r->gpu.info);
+        if (choice_has_layouts(&r->choice) &&
+            !plan_fits(&r->chosen, render->scene, choice_layouts(&r->choice), camera, &r->gpu.info))
+            renderer_narrow(r, &settings, render->scene);
+        status = plan_memory(&described, &r->chosen, render->scene, choice_layouts(&r->choice),
+                             camera, &r->gpu.info);
         if (status != STATUS_OK)
             return status;
         info->scene = i == 0 ? described : info->scene;
         struct lk_device_share *share = &info->devices[info->device_count++];
         engine_describe_device(&share->info, &r->gpu.info);
-        share->trace = r->chosen.trace;
-        share->bvh = r->chosen.bvh;
         share->textures = r->chosen.textures;
         share->queue = r->chosen.queue;
         share->memory = described.memory.total_device;
@@ -239,8 +242,13 @@ static enum status begin(struct render *render, struct lk_scene *scene)
         status = render_report(render->hook, &progress);
     if (status == STATUS_OK)
         status = open_devices(render);
-    for (size_t i = 0; i < render->renderer_count; i++)
-        layouts |= 1u << render->renderers[i].chosen.bvh;
+    if (status == STATUS_OK)
+        status = prepare_geometry(scene);
+    for (size_t i = 0; i < render->renderer_count && status == STATUS_OK; i++) {
+        struct renderer *r = &render->renderers[i];
+        choice_recall(&r->choice, &r->gpu, scene, settings);
+        layouts |= choice_layouts(&r->choice);
+    }
     if (status == STATUS_OK)
         status = prepare_scene(scene, settings, layouts);
     if (status == STATUS_OK)

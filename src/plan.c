@@ -25,11 +25,11 @@ struct settings plan_kernel_settings(const struct lk_settings *s)
 }
 
 static void describe(struct lk_scene_info *out, const struct lk_scene *scene,
-                     const struct lk_settings *settings, const struct camera *camera,
-                     uint64_t capacity)
+                     const struct lk_settings *settings, unsigned layouts,
+                     const struct camera *camera, uint64_t capacity)
 {
     const struct prepared *p = &scene->prepared;
-    const struct upload_source source = prepared_source(scene, settings->bvh);
+    const struct upload_source source = prepared_source(scene, layouts);
     const struct upload_sizes sizes = upload_sizes(&source);
     const struct settings told = plan_kernel_settings(settings);
     const bool textures_bound = settings->textures == LK_TEXTURES_BOUND;
@@ -82,10 +82,11 @@ static uint64_t queue_capacity(const struct lk_settings *settings, const struct 
 }
 
 void plan_describe(struct lk_scene_info *out, const struct lk_scene *scene,
-                   const struct lk_settings *settings, const struct camera *camera,
-                   uint32_t default_queue)
+                   const struct lk_settings *settings, unsigned layouts,
+                   const struct camera *camera, uint32_t default_queue)
 {
-    describe(out, scene, settings, camera, queue_capacity(settings, camera, default_queue));
+    describe(out, scene, settings, layouts, camera,
+             queue_capacity(settings, camera, default_queue));
 }
 
 // Says what does not fit, naming the three largest users.
@@ -119,18 +120,32 @@ static enum status fail_memory(const struct lk_memory *memory, uint64_t limit)
                        users[2].name, (double)users[2].size * 1e-6);
 }
 
+// The queue that is asked for, as far as one allocation reaches.
+static uint64_t whole_queue(const struct lk_settings *settings, const struct camera *camera,
+                            const struct gpu_info *info)
+{
+    const uint64_t capacity = queue_capacity(settings, camera, settings->queue);
+    const uint64_t longest = info->max_allocation / sizeof(struct ray);
+    return capacity < longest ? capacity : longest;
+}
+
+bool plan_fits(const struct lk_settings *settings, const struct lk_scene *scene, unsigned layouts,
+               const struct camera *camera, const struct gpu_info *info)
+{
+    struct lk_scene_info described;
+    describe(&described, scene, settings, layouts, camera, whole_queue(settings, camera, info));
+    return described.memory.total_device <= settings->memory_limit;
+}
+
 enum status plan_memory(struct lk_scene_info *out, struct lk_settings *settings,
-                        const struct lk_scene *scene, const struct camera *camera,
+                        const struct lk_scene *scene, unsigned layouts, const struct camera *camera,
                         const struct gpu_info *info)
 {
-    uint64_t capacity = queue_capacity(settings, camera, settings->queue);
-    const uint64_t longest = info->max_allocation / sizeof(struct ray);
-    if (capacity > longest)
-        capacity = longest;
-    describe(out, scene, settings, camera, capacity);
+    uint64_t capacity = whole_queue(settings, camera, info);
+    describe(out, scene, settings, layouts, camera, capacity);
     while (out->memory.total_device > settings->memory_limit && capacity > QUEUE_MIN) {
         capacity = capacity / 2 > QUEUE_MIN ? capacity / 2 : QUEUE_MIN;
-        describe(out, scene, settings, camera, capacity);
+        describe(out, scene, settings, layouts, camera, capacity);
     }
     if (out->memory.total_device > settings->memory_limit)
         return fail_memory(&out->memory, settings->memory_limit);

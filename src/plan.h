@@ -20,12 +20,17 @@ struct settings plan_kernel_settings(const struct lk_settings *settings);
 /**
  * Counts what a prepared scene holds, with rays and film for this camera and queue.
  *
- * @param settings  With bvh and textures not auto. A queue of 0 asks for default_queue; no queue
- * is longer than the work.
+ * @param settings  With textures not auto. A queue of 0 asks for default_queue; no queue is longer
+ * than the work.
+ * @param layouts   Of the BVH, those that are there: the sum of 1 << LK_BVH_....
  */
 void plan_describe(struct lk_scene_info *out, const struct lk_scene *scene,
-                   const struct lk_settings *settings, const struct camera *camera,
-                   uint32_t default_queue);
+                   const struct lk_settings *settings, unsigned layouts,
+                   const struct camera *camera, uint32_t default_queue);
+
+/** Whether the whole queue finds room beside these layouts of the BVH. */
+bool plan_fits(const struct lk_settings *settings, const struct lk_scene *scene, unsigned layouts,
+               const struct camera *camera, const struct gpu_info *info);
 
 /**
  * Finds the longest queue that fits, sets it, and describes the scene with it.
@@ -34,7 +39,7 @@ void plan_describe(struct lk_scene_info *out, const struct lk_scene *scene,
  * @retval STATUS_NO_MEMORY  None fits; names the three largest users.
  */
 enum status plan_memory(struct lk_scene_info *out, struct lk_settings *settings,
-                        const struct lk_scene *scene, const struct camera *camera,
+                        const struct lk_scene *scene, unsigned layouts, const struct camera *camera,
                         const struct gpu_info *info);
 
 #endif

@@ -51,8 +51,12 @@ static enum status build_bvh(struct prepared *out, const struct geometry *geomet
         status = quad_bvh_pack(&out->quad, &bvh, refs, geometry, materials);
     if (status == STATUS_OK && request->compressed)
         status = compressed_bvh_pack(&out->compressed, &bvh, refs, geometry, materials);
-    if (status == STATUS_OK && request->binary)
+    if (status == STATUS_OK && request->binary && request->quad) // both over the same triangles
+        status = bvh_pack_over(&out->bvh, &bvh, out->quad.places);
+    else if (status == STATUS_OK && request->binary)
         status = bvh_pack(&out->bvh, &bvh, refs, geometry, materials);
+    free(out->quad.places); // no other layout is made later
+    out->quad.places = NULL;
     out->reference_count = bvh.ref_count;
     bvh_free(&bvh);
     free(refs);
@@ -211,19 +215,16 @@ double prepared_seconds(const struct lk_scene *scene)
     return p->geometry_s + p->bvh_s + p->lights_s + scene->surroundings.seconds;
 }
 
-struct upload_source prepared_source(const struct lk_scene *scene, enum lk_bvh layout)
+struct upload_source prepared_source(const struct lk_scene *scene, unsigned layouts)
 {
-    static const struct packed_bvh no_binary;
-    static const struct wide_bvh no_wide;
-    static const struct quad_bvh no_quad;
-    static const struct compressed_bvh no_compressed;
     const struct prepared *prepared = &scene->prepared;
     const struct upload_source source = {
         .geometry = &prepared->geometry,
-        .bvh = layout == LK_BVH_BINARY ? &prepared->bvh : &no_binary,
-        .wide = layout == LK_BVH_WIDE ? &prepared->wide : &no_wide,
-        .quad = layout == LK_BVH_QUAD ? &prepared->quad : &no_quad,
-        .compressed = layout == LK_BVH_COMPRESSED ? &prepared->compressed : &no_compressed,
+        .bvh = &prepared->bvh,
+        .wide = &prepared->wide,
+        .quad = &prepared->quad,
+        .compressed = &prepared->compressed,
+        .layouts = layouts,
         .emitters = &prepared->emitters,
         .environment = &scene->surroundings.environment,
         .light_tree = &prepared->light_tree,

@@ -30,7 +30,7 @@ void surroundings_free(struct surroundings *surroundings);
 /** Seconds that it took to prepare what there is. */
 double prepared_seconds(const struct lk_scene *scene);
 
-/** What upload() is to take, with the BVH in one layout, not auto, that was prepared. */
-struct upload_source prepared_source(const struct lk_scene *scene, enum lk_bvh layout);
+/** What upload() is to take, with the BVH in these of the layouts that were prepared. */
+struct upload_source prepared_source(const struct lk_scene *scene, unsigned layouts);
 
 #endif

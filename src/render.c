@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/clock.h"
+#include "plan.h"
 #include "share.h"
 
 #define PROGRESS_EVERY 0.1 // seconds between calls of the hook
@@ -107,12 +108,38 @@ static enum status render_alone(struct render *render)
     return ended != STATUS_OK ? ended : status;
 }
 
+// Tells how a device traced, and what it holds for that.
+static void tell_tracing(struct render *render, size_t index)
+{
+    struct lk_render_info *info = render->info;
+    struct lk_device_share *share = &info->devices[index];
+    struct renderer *r = &render->renderers[index];
+    const struct choice *choice = &r->choice;
+    struct lk_scene_info described;
+    for (int c = 0; c < LK_RAYS_COUNT; c++)
+        share->tracing[c] = (struct lk_tracing){.trace = choice->forms[choice->of[c]].trace,
+                                                .bvh = choice->forms[choice->of[c]].bvh,
+                                                .reason = choice->reasons[c]};
+    share->trace = share->tracing[LK_RAYS_LATER_BOUNCES].trace;
+    share->bvh = share->tracing[LK_RAYS_LATER_BOUNCES].bvh;
+    share->probe_s = choice->probe_s;
+    plan_describe(&described, render->scene, &r->chosen, choice_layouts(choice), &r->camera,
+                  r->chosen.queue);
+    share->memory = described.memory.total_device;
+    if (index > 0)
+        return;
+    info->scene.memory = described.memory;
+    info->settings.trace = share->trace;
+    info->settings.bvh = share->bvh;
+}
+
 // Adds up what the devices did.
 static void count_work(struct render *render)
 {
     struct lk_render_info *info = render->info;
     for (size_t i = 0; i < render->renderer_count; i++) {
         const struct renderer *r = &render->renderers[i];
+        tell_tracing(render, i);
         info->rays_camera += r->rays.camera;
         info->rays_indirect += r->rays.indirect;
         info->rays_shadow += r->rays.shadow;

@@ -1,12 +1,16 @@
 #include "renderer.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 
+#include "core/choices.h"
 #include "core/clock.h"
+#include "core/log.h"
 #include "plan.h"
 #include "prep/samples.h"
 #include "prepare.h"
+#include "probe.h"
 #include "settings.h"
 #include "shared/light.h"
 
@@ -29,8 +33,18 @@ enum status renderer_open(struct renderer *out, const struct gpu_info *info,
         renderer_free(&r);
         return status;
     }
+    choice_begin(&r.choice, settings, &r.chosen, &r.gpu);
     *out = r;
     return STATUS_OK;
+}
+
+void renderer_narrow(struct renderer *r, const struct lk_settings *settings,
+                     const struct lk_scene *scene)
+{
+    struct lk_settings narrowed = *settings;
+    narrowed.bvh = r->chosen.bvh;
+    choice_begin(&r->choice, &narrowed, &r->chosen, &r->gpu);
+    choice_recall(&r->choice, &r->gpu, scene, settings);
 }
 
 // Makes the points of samples, and the buffers of the paths in flight.
@@ -63,11 +77,12 @@ static uint32_t first_batch(const struct renderer *r)
     return paths < r->wavefront.capacity ? paths : r->wavefront.capacity;
 }
 
-enum status renderer_set_up(struct renderer *r, const struct lk_scene *scene)
+// Uploads the scene and makes the buffers.
+static enum status set_up_memory(struct renderer *r, const struct lk_scene *scene)
 {
-    const struct upload_source source = prepared_source(scene, r->chosen.bvh);
-    struct program_options options = settings_program_options(&r->chosen);
-    double start = clock_seconds();
+    const struct upload_source source = prepared_source(scene, choice_layouts(&r->choice));
+    const struct program_options options = settings_program_options(&r->chosen);
+    const double start = clock_seconds();
     enum status status =
         upload(&r->scene, &r->gpu, &source, options.nodes_image, options.textures_bound);
     if (status != STATUS_OK)
@@ -81,20 +96,148 @@ enum status renderer_set_up(struct renderer *r, const struct lk_scene *scene)
     status = create_wavefront(r);
     r->batch_paths = first_batch(r);
     r->upload_s = clock_seconds() - start;
+    return status;
+}
 
-    start = clock_seconds();
+// The variant of the kernels that this scene needs, to trace by one of the forms.
+static struct program_options scene_options(const struct renderer *r, const struct form *form)
+{
+    struct lk_settings chosen = r->chosen;
+    chosen.trace = form->trace;
+    chosen.bvh = form->bvh;
+    struct program_options options = settings_program_options(&chosen);
+    options.more = form->more;
     options.alpha = r->scene.alpha;
     options.environment = r->scene.map.width > 0;
     options.normal_maps = r->scene.normal_maps;
     options.layers = r->scene.layers;
     options.sheen = r->scene.sheen;
+    return options;
+}
+
+// Builds the pipeline, with all forms while the choice is open, else with those that are taken.
+static enum status build_pipeline(struct renderer *r)
+{
+    const struct choice *choice = &r->choice;
+    const struct form plain = {LK_TRACE_SIMPLE, r->chosen.bvh, 0, NULL};
+    const struct program_options options = scene_options(r, &plain);
+    struct pipeline_form forms[PIPELINE_FORMS_MAX] = {{.failed = false}};
+    for (uint32_t i = 0; i < choice->form_count; i++) {
+        const bool is_plain = choice->forms[i].trace == LK_TRACE_SIMPLE;
+        forms[i].options = scene_options(r, &choice->forms[i]);
+        forms[i].may_fail = !is_plain && choice->reasons[0] != LK_REASON_FORCED;
+        forms[i].traces = choice->open && form_has(&choice->forms[i], RAYS_CAMERA);
+        forms[i].shadows = choice->open && (choice->forms[i].uses & FORM_SHADOWS) != 0;
+    }
+    for (int c = 0; c < RAY_CLASSES && !choice->open; c++) {
+        forms[choice->of[c]].traces |= c != RAYS_SHADOW;
+        forms[choice->of[c]].shadows |= c == RAYS_SHADOW;
+    }
+    return pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options, forms, choice->form_count);
+}
+
+static bool is_taken(const struct choice *choice, uint32_t form)
+{
+    for (int c = 0; c < RAY_CLASSES; c++)
+        if (choice->of[c] == form)
+            return true;
+    return false;
+}
+
+static void tell(const struct renderer *r)
+{
+    const struct choice *choice = &r->choice;
+    for (int c = 0; c < RAY_CLASSES; c++) {
+        char name[96];
+        log_message(LOG_INFO, "device \"%s\": %s rays by %s (%s)", r->gpu.info.name,
+                    choices_rays[c], form_name(name, sizeof(name), &choice->forms[choice->of[c]]),
+                    choices_reason[choice->reasons[c]]);
+    }
+}
+
+// Decides how to trace, and releases what is not needed for that.
+static enum status settle(struct renderer *r, bool *stuck)
+{
+    struct choice *choice = &r->choice;
+    enum status status = STATUS_OK;
+    if (choice->open)
+        status = probe_decide(r, stuck);
+    bool broken = choice->broken;
+    for (int c = 0; c < RAY_CLASSES; c++)
+        broken = broken || r->pipeline.forms[choice->of[c]].failed;
+    if (status == STATUS_OK && !broken) {
+        status = pipeline_add_shadows(&r->pipeline, &r->gpu, &r->scene, choice->of[RAYS_SHADOW]);
+        broken = r->pipeline.forms[choice->of[RAYS_SHADOW]].failed;
+    }
+    if (status == STATUS_OK && broken) {
+        pipeline_free(&r->pipeline);
+        choice_fall_back(choice);
+        status = build_pipeline(r);
+    }
+    if (status != STATUS_OK)
+        return status;
+    for (uint32_t i = 0; i < choice->form_count; i++)
+        if (!is_taken(choice, i))
+            pipeline_drop(&r->pipeline, i);
+    for (int c = 0; c < RAY_CLASSES; c++)
+        r->pipeline.form_of[c] = choice->of[c];
+    device_scene_keep(&r->gpu, &r->scene, choice_layouts(choice));
+    tell(r);
+    return STATUS_OK;
+}
+
+static enum status set_up(struct renderer *r, const struct lk_scene *scene, bool *stuck)
+{
+    *stuck = false;
+    enum status status = set_up_memory(r, scene);
+    if (status != STATUS_OK)
+        return status;
+    const double start = clock_seconds();
+    status = build_pipeline(r);
     if (status == STATUS_OK)
-        status = pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options);
+        status = settle(r, stuck);
     if (status == STATUS_OK)
-        status = film_create(&r->film, &r->gpu, r->camera.width * r->camera.height, &options);
+        status = film_create(&r->film, &r->gpu, r->camera.width * r->camera.height,
+                             &r->pipeline.options);
     r->build_s = clock_seconds() - start;
     r->built = r->pipeline.built + r->film.built;
     return status;
+}
+
+// What devices that hang may still work on. It stays: to release it would be to wait for them.
+static struct abandoned {
+    struct renderer renderer;
+    struct abandoned *next;
+} * abandoned;
+
+// Leaves a device that hangs alone and opens it anew, to be used in the plain form.
+static enum status start_again(struct renderer *r)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    struct abandoned *left = calloc(1, sizeof(*left));
+    if (left == NULL)
+        return status_fail(STATUS_NO_MEMORY, "no memory to start device \"%s\" again",
+                           r->gpu.info.name);
+    log_message(LOG_WARNING, "%s; it is started again, to trace in the plain form",
+                status_message());
+    left->renderer = *r;
+    pthread_mutex_lock(&lock);
+    left->next = abandoned;
+    abandoned = left;
+    pthread_mutex_unlock(&lock);
+    *r = (struct renderer){.chosen = r->chosen, .choice = r->choice, .camera = r->camera};
+    choice_fall_back(&r->choice);
+    return gpu_open(&r->gpu, &left->renderer.gpu.info, r->chosen.profile, 0);
+}
+
+enum status renderer_set_up(struct renderer *r, const struct lk_scene *scene)
+{
+    bool stuck;
+    enum status status = set_up(r, scene, &stuck);
+    if (!stuck)
+        return status;
+    status = start_again(r);
+    return status == STATUS_OK ? set_up(r, scene, &stuck) : status;
 }
 
 // Sets the size of the next batch by how long one of so many paths took.

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "core/status.h"
+#include "choice.h"
 #include "engine.h"
 #include "film/film.h"
 #include "pipeline/pipeline.h"
@@ -23,7 +24,10 @@ struct ray_counts {
 /** All zero is a valid empty one. */
 struct renderer {
     struct gpu gpu;
-    struct lk_settings chosen; // the render's, with what this device leaves open filled in
+    struct gpu timed;          // a queue to it, while a probe runs
+    struct lk_settings chosen; // the render's, with what this device leaves open filled in; trace
+                               // and bvh by the rule,
+    struct choice choice;      // this tells what is taken
     struct lk_memory memory;   // that it takes
     struct camera camera;
     struct device_scene scene;
@@ -44,8 +48,15 @@ struct renderer {
 enum status renderer_open(struct renderer *out, const struct gpu_info *info,
                           const struct lk_settings *settings, uint32_t spare_units);
 
+/** Chooses anew among what the rule's layout of the BVH allows alone: to save memory. */
+void renderer_narrow(struct renderer *renderer, const struct lk_settings *settings,
+                     const struct lk_scene *scene);
+
 /**
  * Uploads a prepared scene, builds the kernels and makes the buffers.
+ *
+ * A choice that is open is decided by a probe. A form of kernels that does not work is replaced by
+ * the plain one, with a warning, unless the settings force it.
  *
  * @param renderer  Opened; its camera and the queue in `chosen` are set.
  */

@@ -120,12 +120,13 @@ static enum status upload_solid(struct lk_tracer *t, const struct lk_scene *scen
     static const struct light_tree no_tree;
     static const struct light_bvh no_bvh;
     static const struct material_set no_materials;
-    const struct upload_source prepared = prepared_source(scene, t->info.settings.bvh);
+    const struct upload_source prepared = prepared_source(scene, 1u << t->info.settings.bvh);
     const struct upload_source source = {
         .geometry = &no_geometry,
         .bvh = prepared.bvh,
         .wide = prepared.wide,
         .quad = prepared.quad,
+        .layouts = prepared.layouts,
         .compressed = prepared.compressed,
         .emitters = &no_emitters,
         .environment = &no_environment,

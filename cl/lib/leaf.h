@@ -5,7 +5,9 @@
  *
  * Source: S. Woop, "A Ray Tracing Hardware Architecture for Dynamic Scenes", 2004, as in T. Aila,
  * S. Laine, HPG 2009. Differs from it: a triangle whose material lets some light by is asked before
- * it counts as a hit (lib/passage.h).
+ * it counts as a hit (lib/passage.h). Whatever the layout, and whatever the order of the tests, a
+ * ray has the same hit, bit by bit: products are added as is written, which leaves a compiler no
+ * choice, and of triangles at one distance the first in the scene is hit.
  */
 #ifndef LIB_LEAF_H
 #define LIB_LEAF_H
@@ -21,6 +23,20 @@
 #define LEAF_IS_DUE(leaf) ((leaf) != 0)
 #endif
 
+// Where a point stands along a row, but for its last number, which is given.
+static inline float leaf_along(const float4 row, const float3 p, const float w)
+{
+    return MULADD(row.x, p.x, MULADD(row.y, p.y, MULADD(row.z, p.z, w)));
+}
+
+// Whether, of a hit and of reference i at the same distance, the hit stays. One at the end of the
+// ray is none.
+static inline bool leaf_tie_stays(const struct hit *hit, const struct traced *scene, const uint i)
+{
+    return hit->triangle == HIT_NONE ||
+           (scene->refs[hit->triangle] & BVH_REF_TRIANGLE) <= (scene->refs[i] & BVH_REF_TRIANGLE);
+}
+
 // Tests a reference. Returns whether the ray ends there.
 //
 //   hit   the best so far; its triangle is the number of a reference, see traced_name()
@@ -29,18 +45,18 @@ static inline bool leaf_test_one(struct hit *hit, const struct traced *scene, co
                                  const bool any_hit, struct passage *passage, const int mode)
 {
     const float4 row_w = scene->woop[3 * i + 0];
-    const float org_w = dot(row_w.xyz, org) + row_w.w;
-    const float dir_w = dot(row_w.xyz, dir);
-    const float t = -org_w / dir_w;
-    if (!(t > tmin && t < hit->t))
+    const float t = -leaf_along(row_w, org, row_w.w) / leaf_along(row_w, dir, 0.0f);
+    if (!(t > tmin && (any_hit ? t < hit->t : t <= hit->t)))
         return false;
-    const float3 p = org + t * dir;
+    if (!any_hit && t == hit->t && leaf_tie_stays(hit, scene, i))
+        return false;
+    const float3 p = MULADD((float3)(t), dir, org);
     const float4 row_u = scene->woop[3 * i + 1];
-    const float u = dot(row_u.xyz, p) + row_u.w;
+    const float u = leaf_along(row_u, p, row_u.w);
     if (!(u >= 0.0f && u <= 1.0f))
         return false;
     const float4 row_v = scene->woop[3 * i + 2];
-    const float v = dot(row_v.xyz, p) + row_v.w;
+    const float v = leaf_along(row_v, p, row_v.w);
     if (!(v >= 0.0f && u + v <= 1.0f))
         return false;
 #if ALPHA

@@ -182,7 +182,7 @@ enum lk_sampler {
 };
 
 enum lk_trace {
-    LK_TRACE_AUTO,
+    LK_TRACE_AUTO,       // by the device; a GPU measures what is fast in this scene
     LK_TRACE_SIMPLE,     // one ray a work item
     LK_TRACE_PERSISTENT, // work fetched from a queue (Aila & Laine 2009)
     LK_TRACE_POSTPONING, // one ray a work item; a warp tests leaves together (NVIDIA)
@@ -190,7 +190,7 @@ enum lk_trace {
 };
 
 enum lk_bvh {
-    LK_BVH_AUTO,      // by the device
+    LK_BVH_AUTO,      // as LK_TRACE_AUTO
     LK_BVH_BINARY,    // the thesis's
     LK_BVH_WIDE,      // 8 children a node, triangles by four: for CPUs
     LK_BVH_QUAD,      // 4 children a node, boxes as bytes: for GPUs
@@ -266,7 +266,7 @@ struct lk_settings {
     uint32_t queue;        // paths in flight; 0: by the device
     uint64_t memory_limit; // bytes on the device; 0: what the device has
     bool profile;          // time every kernel
-    bool no_cache;         // build kernels from source
+    bool no_cache;         // build kernels from source, and measure anew how to trace
 };
 
 LK_API void lk_settings_init(struct lk_settings *settings);
@@ -316,14 +316,40 @@ struct lk_kernel_time {
     uint64_t bytes; // that it read and wrote in whole rows, without caches; 0: not known
 };
 
+/** Kinds of rays, each of which is traced in a way of its own. */
+enum lk_rays {
+    LK_RAYS_CAMERA,
+    LK_RAYS_FIRST_BOUNCE,
+    LK_RAYS_LATER_BOUNCES,
+    LK_RAYS_SHADOW,
+    LK_RAYS_COUNT
+};
+
+/** Why rays are traced as they are. */
+enum lk_reason {
+    LK_REASON_FORCED, // the settings say so
+    LK_REASON_RULE,   // by the kind of the device
+    LK_REASON_PROBE,  // measured in this render
+    LK_REASON_CACHE   // measured before, on this device in a scene as large as this
+};
+
+/** How rays of one kind are traced. */
+struct lk_tracing {
+    enum lk_trace trace;
+    enum lk_bvh bvh;
+    enum lk_reason reason;
+};
+
 #define LK_KERNELS_MAX 32
 #define LK_DEVICES_MAX 16
 
 /** One device's part of a render. */
 struct lk_device_share {
     struct lk_device_info info; // compute_units: those it used
-    enum lk_trace trace;        // as chosen for it
+    enum lk_trace trace;        // as chosen for it: how later bounces are traced
     enum lk_bvh bvh;
+    struct lk_tracing tracing[LK_RAYS_COUNT]; // how all rays are
+    double probe_s;                           // measuring that took
     enum lk_textures textures;
     uint32_t queue;
     uint64_t memory; // bytes it takes there
@@ -475,7 +501,8 @@ struct lk_tracer_info {
 };
 
 /**
- * Prepares the triangles, opens a device and builds the kernels.
+ * Prepares the triangles, opens a device and builds the kernels. Nothing is measured: what the
+ * settings leave open goes by the kind of the device.
  *
  * @param settings  Device, camera, width, height, seed, and all that concerns BVH and traversal are
  * looked at. The strings must outlive the tracer.

@@ -68,7 +68,7 @@ const struct option option_table[] = {
 
     HEADING(SIZED, "Device and kernels"),
     {"device", 0, BOTH, "LIST", "cpu, gpu, P:D, part of a name; or a list; or all", "the best", TEXT(settings.device)},
-    {"trace", 0, BOTH, NULL, "a ray per item, a work queue, or by warps (NVIDIA)", NULL, CHOICE(settings.trace, choices_trace)},
+    {"trace", 0, BOTH, NULL, "a ray per item, a queue, or warps; auto: measured", NULL, CHOICE(settings.trace, choices_trace)},
     {"bvh", 0, SIZED, NULL, "layout; wide: CPUs; quad, compressed: GPUs", NULL, CHOICE(settings.bvh, choices_bvh)},
     {"bvh-build", 0, SIZED, NULL, "its builder: with spatial splits, or the thesis's", NULL, CHOICE(settings.bvh_build, choices_bvh_build)},
     {"textures", 0, RENDER | INFO, NULL, "one launch per material, or one over all texels", NULL, CHOICE(settings.textures, choices_textures)},
@@ -77,7 +77,7 @@ const struct option option_table[] = {
     {"leaf-size", 0, SIZED, "N", "no leaf has so many triangles", NULL, UINT(settings.leaf_size, 2, 32)},
     {"queue", 0, RENDER | INFO, "N", "paths in flight", "by the device", UINT(settings.queue, 1, 1 << 30)},
     {"memory-limit", 0, BOTH, "MB", "most memory to take on the device", "all it has", MEGABYTES(settings.memory_limit)},
-    {"no-cache", 0, BOTH, NULL, "build the kernels from source", NULL, FLAG(settings.no_cache)},
+    {"no-cache", 0, BOTH, NULL, "build the kernels from source, measure tracing anew", NULL, FLAG(settings.no_cache)},
 
     HEADING(BENCH, "Experiments"),
     {"quick", 0, BENCH, NULL, "all of it small: minutes on two cores", NULL, FLAG(quick)},

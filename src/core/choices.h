@@ -14,6 +14,8 @@ extern const char *const choices_sampler[];
 extern const char *const choices_trace[];
 extern const char *const choices_bvh[];
 extern const char *const choices_bvh_build[];
+extern const char *const choices_rays[];
+extern const char *const choices_reason[];
 extern const char *const choices_textures[];
 extern const char *const choices_nodes[];
 extern const char *const choices_tonemap[];

@@ -11,6 +11,7 @@
 
 #include "core/file.h"
 #include "core/log.h"
+#include "device/cl_sources.h"
 
 #define CACHE_MAGIC 0x314b4b4cu // "LKK1": the format of a file
 #define PATH_LENGTH 4096
@@ -33,10 +34,28 @@ static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t size)
     return hash;
 }
 
-// Hashes a text with its end, so that "ab", "c" differs from "a", "bc".
-static uint64_t hash_text(uint64_t hash, const char *text)
+// Starts of two hashes, which make one of 128 bits.
+static const struct build_key no_key = {{0xcbf29ce484222325u, 0x9ae16a3b2f90404fu}};
+
+static void add_bytes(struct build_key *key, const void *bytes, size_t size)
 {
-    return hash_bytes(hash, text, strlen(text) + 1);
+    for (int i = 0; i < 2; i++)
+        key->hash[i] = hash_bytes(key->hash[i], bytes, size);
+}
+
+// Adds a text with its end, so that "ab", "c" differs from "a", "bc".
+static void add_text(struct build_key *key, const char *text)
+{
+    add_bytes(key, text, strlen(text) + 1);
+}
+
+static void add_device(struct build_key *key, const struct gpu_info *info)
+{
+    add_text(key, info->platform);
+    add_text(key, info->platform_version);
+    add_text(key, info->name);
+    add_text(key, info->driver);
+    add_text(key, info->version);
 }
 
 bool build_cache_key(struct build_key *out, const struct gpu *gpu, const char *text, size_t size,
@@ -44,20 +63,20 @@ bool build_cache_key(struct build_key *out, const struct gpu *gpu, const char *t
 {
     if (strcmp(gpu->info.platform, "Portable Computing Language") == 0)
         return false;
-    // Two hashes from different starts make one of 128 bits.
-    static const uint64_t starts[2] = {0xcbf29ce484222325u, 0x9ae16a3b2f90404fu};
-    for (int i = 0; i < 2; i++) {
-        uint64_t hash = starts[i];
-        hash = hash_bytes(hash, text, size);
-        hash = hash_text(hash, options);
-        hash = hash_text(hash, gpu->info.platform);
-        hash = hash_text(hash, gpu->info.platform_version);
-        hash = hash_text(hash, gpu->info.name);
-        hash = hash_text(hash, gpu->info.driver);
-        hash = hash_text(hash, gpu->info.version);
-        out->hash[i] = hash;
-    }
+    *out = no_key;
+    add_bytes(out, text, size);
+    add_text(out, options);
+    add_device(out, &gpu->info);
     return true;
+}
+
+void build_cache_note_key(struct build_key *out, const struct gpu *gpu, const char *about)
+{
+    *out = no_key;
+    for (size_t i = 0; i < cl_source_count; i++)
+        add_bytes(out, cl_sources[i].text, cl_sources[i].size);
+    add_text(out, about);
+    add_device(out, &gpu->info);
 }
 
 // Makes a folder and those above it.
@@ -74,7 +93,7 @@ static bool make_folders(char *path)
 }
 
 // The file of a key; false if there is no place for a cache.
-static bool cache_path(char *out, const struct build_key *key, bool make)
+static bool cache_path(char *out, const struct build_key *key, const char *suffix, bool make)
 {
     char folder[PATH_LENGTH];
     const char *own = getenv("LIGHTKILN_CACHE_DIR");
@@ -91,8 +110,8 @@ static bool cache_path(char *out, const struct build_key *key, bool make)
         return false;
     if (length >= (int)sizeof(folder) - 64 || (make && !make_folders(folder)))
         return false;
-    snprintf(out, PATH_LENGTH, "%.4000s/%016llx%016llx.bin", folder,
-             (unsigned long long)key->hash[0], (unsigned long long)key->hash[1]);
+    snprintf(out, PATH_LENGTH, "%.4000s/%016llx%016llx.%s", folder,
+             (unsigned long long)key->hash[0], (unsigned long long)key->hash[1], suffix);
     return true;
 }
 
@@ -102,7 +121,7 @@ struct _cl_program *build_cache_load(const struct build_key *key, const struct g
     char path[PATH_LENGTH];
     char *bytes = NULL;
     size_t size = 0;
-    if (!cache_path(path, key, false) || file_read(&bytes, &size, path) != STATUS_OK)
+    if (!cache_path(path, key, "bin", false) || file_read(&bytes, &size, path) != STATUS_OK)
         return NULL;
 
     // Believe nothing in the file that does not fit.
@@ -139,7 +158,7 @@ void build_cache_save(const struct build_key *key, struct _cl_program *program)
 {
     char path[PATH_LENGTH];
     size_t size = 0;
-    if (!cache_path(path, key, true) ||
+    if (!cache_path(path, key, "bin", true) ||
         clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, NULL) !=
             CL_SUCCESS ||
         size == 0)
@@ -158,4 +177,21 @@ void build_cache_save(const struct build_key *key, struct _cl_program *program)
             log_message(LOG_DEBUG, "build cache: %s", status_message());
     }
     free(bytes);
+}
+
+char *build_cache_note_load(const struct build_key *key)
+{
+    char path[PATH_LENGTH];
+    char *text = NULL;
+    size_t size = 0;
+    if (!cache_path(path, key, "txt", false) || file_read(&text, &size, path) != STATUS_OK)
+        return NULL;
+    return text;
+}
+
+void build_cache_note_save(const struct build_key *key, const char *text)
+{
+    char path[PATH_LENGTH];
+    if (cache_path(path, key, "txt", true) && file_write(path, text, strlen(text)) != STATUS_OK)
+        log_message(LOG_DEBUG, "build cache: %s", status_message());
 }

@@ -1,6 +1,7 @@
 #include "device/gpu.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
+#include "core/clock.h"
 #include "core/log.h"
 #include "device/profile.h"
 
@@ -335,19 +337,25 @@ void gpu_close(struct gpu *gpu)
 enum status gpu_wait(struct gpu *gpu)
 {
     // PoCL sleeps by itself, and is woken at once.
-    cl_int error = CL_SUCCESS;
     if (gpu->info.is_cpu) {
-        error = clFinish(gpu->queue);
+        const cl_int error = clFinish(gpu->queue);
         return error == CL_SUCCESS ? STATUS_OK : gpu_fail(error, "clFinish", gpu->info.name);
     }
+    bool done;
+    return gpu_wait_until(gpu, INFINITY, &done);
+}
+
+enum status gpu_wait_until(struct gpu *gpu, double limit_s, bool *done)
+{
+    const double end_s = clock_seconds() + limit_s;
     cl_event end = NULL;
-    error = clEnqueueMarkerWithWaitList(gpu->queue, 0, NULL, &end);
+    cl_int error = clEnqueueMarkerWithWaitList(gpu->queue, 0, NULL, &end);
     if (error == CL_SUCCESS)
         error = clFlush(gpu->queue);
     cl_int state = CL_QUEUED;
     const int slack_ns = prctl(PR_GET_TIMERSLACK);
     prctl(PR_SET_TIMERSLACK, 1); // sleep no longer than is asked for
-    while (error == CL_SUCCESS && state > CL_COMPLETE) {
+    while (error == CL_SUCCESS && state > CL_COMPLETE && clock_seconds() <= end_s) {
         nanosleep(&(const struct timespec){.tv_nsec = LOOK_EVERY_NS}, NULL);
         error = clGetEventInfo(end, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof(state), &state, NULL);
     }
@@ -356,7 +364,31 @@ enum status gpu_wait(struct gpu *gpu)
         clReleaseEvent(end);
     if (error == CL_SUCCESS && state < 0)
         error = state;
+    *done = error != CL_SUCCESS || state == CL_COMPLETE;
     return error == CL_SUCCESS ? STATUS_OK : gpu_fail(error, "waiting", gpu->info.name);
+}
+
+enum status gpu_open_timed(struct gpu *out, const struct gpu *gpu)
+{
+    cl_int error = CL_SUCCESS;
+    struct gpu timed = *gpu;
+    timed.profile = profile_create();
+    if (timed.profile == NULL)
+        return status_fail(STATUS_NO_MEMORY, "no memory for the profile");
+    timed.queue =
+        clCreateCommandQueue(gpu->context, gpu->device, CL_QUEUE_PROFILING_ENABLE, &error);
+    if (error != CL_SUCCESS) {
+        profile_free(timed.profile);
+        return gpu_fail(error, "clCreateCommandQueue", gpu->info.name);
+    }
+    *out = timed;
+    return STATUS_OK;
+}
+
+void gpu_close_timed(struct gpu *timed)
+{
+    timed->context = NULL; // the device's
+    gpu_close(timed);
 }
 
 enum status gpu_flush(struct gpu *gpu)

@@ -86,6 +86,20 @@ void gpu_close(struct gpu *gpu);
 /** Waits until the queue is empty: asleep, where a driver would have the host's core spin. */
 enum status gpu_wait(struct gpu *gpu);
 
+/** Waits for the queue as gpu_wait(), but no longer than so many seconds. @param[out] done  It is
+ * empty. */
+enum status gpu_wait_until(struct gpu *gpu, double limit_s, bool *done);
+
+/**
+ * Makes another queue to an opened device, in which every kernel is timed.
+ *
+ * @param[out] out  Close with gpu_close_timed(), before the device; buffers and kernels of the one
+ * serve the other.
+ */
+enum status gpu_open_timed(struct gpu *out, const struct gpu *gpu);
+
+void gpu_close_timed(struct gpu *timed);
+
 /** Sends what is queued to the device. */
 enum status gpu_flush(struct gpu *gpu);
 

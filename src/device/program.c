@@ -7,11 +7,13 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
+#include "core/clock.h"
+#include "core/log.h"
 #include "device/build_cache.h"
 #include "device/cl_sources.h"
 #include "device/profile.h"
 
-#define OPTIONS_MAX 512 // bytes of a build's options
+#define OPTIONS_MAX 1024 // bytes of a build's options
 
 // Appends "-D NAME=value" if the text knows the name, so that a program is not built anew for a
 // choice that cannot change it.
@@ -53,6 +55,17 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "ENV_MAP", chosen->environment);
     if (chosen->light_sampler != 0)
         add_define(options, text, "LIGHT_SAMPLER", chosen->light_sampler);
+    const size_t used = strlen(options);
+    if (chosen->more != NULL)
+        snprintf(options + used, OPTIONS_MAX - used, " %s", chosen->more);
+}
+
+enum bvh_layout program_layout(const struct program_options *options)
+{
+    return options->bvh_wide         ? LAYOUT_WIDE
+           : options->bvh_quad       ? LAYOUT_QUAD
+           : options->bvh_compressed ? LAYOUT_COMPRESSED
+                                     : LAYOUT_BINARY;
 }
 
 // The build log, to be released with free(); NULL if there is none.
@@ -109,6 +122,7 @@ enum status program_build_text(struct program *out, const struct gpu *gpu, const
     const bool cached = !chosen->no_cache && build_cache_key(&key, gpu, text, size, options);
     cl_program handle = cached ? build_cache_load(&key, gpu, options) : NULL;
     const bool from_source = handle == NULL;
+    const double start_s = clock_seconds();
     if (from_source) {
         const enum status status = build_from_source(&handle, gpu, text, size, options);
         if (status != STATUS_OK)
@@ -116,6 +130,9 @@ enum status program_build_text(struct program *out, const struct gpu *gpu, const
         if (cached)
             build_cache_save(&key, handle);
     }
+    if (from_source)
+        log_message(LOG_DEBUG, "compiled a program in %.3f s: %s", clock_seconds() - start_s,
+                    options);
     *out = (struct program){.handle = handle, .from_source = from_source};
     return STATUS_OK;
 }

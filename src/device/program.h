@@ -19,6 +19,9 @@
 #include "device/buffer.h"
 #include "device/gpu.h"
 
+/** Layouts of the BVH; 0 stands for none. */
+enum bvh_layout { LAYOUT_BINARY = 1, LAYOUT_WIDE, LAYOUT_QUAD, LAYOUT_COMPRESSED, LAYOUT_END };
+
 /** Which variant of the kernels to build. */
 struct program_options {
     bool persistent;     // trace, direct, directional: work from a queue
@@ -38,7 +41,11 @@ struct program_options {
     bool brdf_phong;     // the thesis's BSDF
     bool environment;    // directional: there is an environment
     bool no_cache;       // build from source
+    const char *more;    // options for the compiler beside all these; NULL: none. Borrowed
 };
+
+/** The layout that kernels built so read. */
+enum bvh_layout program_layout(const struct program_options *options);
 
 /** A built program. All zero is a valid empty one. */
 struct program {

@@ -9,22 +9,14 @@ struct bvh_arrays {
     size_t nodes_size, woop_size, refs_size; // bytes
 };
 
-static struct bvh_arrays find_arrays(const struct upload_source *source)
+static struct bvh_arrays find_arrays(const struct upload_source *source, enum bvh_layout layout)
 {
     const struct packed_bvh *bvh = source->bvh;
     const struct wide_bvh *wide = source->wide;
     const struct quad_bvh *quad = source->quad;
     const struct compressed_bvh *compressed = source->compressed;
-    struct bvh_arrays arrays = {
-        .nodes = bvh->nodes,
-        .woop = bvh->woop,
-        .refs = bvh->refs,
-        .nodes_size = bvh->node_count * sizeof(*bvh->nodes),
-        .woop_size = bvh->ref_count * sizeof(*bvh->woop),
-        .refs_size = bvh->ref_count * sizeof(*bvh->refs),
-    };
-    if (wide->node_count > 0)
-        arrays = (struct bvh_arrays){
+    if (layout == LAYOUT_WIDE)
+        return (struct bvh_arrays){
             .nodes = wide->nodes,
             .woop = wide->blocks,
             .refs = wide->refs,
@@ -32,8 +24,8 @@ static struct bvh_arrays find_arrays(const struct upload_source *source)
             .woop_size = wide->block_count * sizeof(*wide->blocks),
             .refs_size = (size_t)wide->block_count * WIDE_BLOCK * sizeof(*wide->refs),
         };
-    if (quad->node_count > 0)
-        arrays = (struct bvh_arrays){
+    if (layout == LAYOUT_QUAD)
+        return (struct bvh_arrays){
             .nodes = quad->nodes,
             .woop = quad->woop,
             .refs = quad->refs,
@@ -41,8 +33,8 @@ static struct bvh_arrays find_arrays(const struct upload_source *source)
             .woop_size = quad->ref_count * sizeof(*quad->woop),
             .refs_size = quad->ref_count * sizeof(*quad->refs),
         };
-    if (compressed->node_count > 0)
-        arrays = (struct bvh_arrays){
+    if (layout == LAYOUT_COMPRESSED)
+        return (struct bvh_arrays){
             .nodes = compressed->nodes,
             .woop = compressed->woop,
             .refs = compressed->refs,
@@ -50,17 +42,56 @@ static struct bvh_arrays find_arrays(const struct upload_source *source)
             .woop_size = compressed->ref_count * sizeof(*compressed->woop),
             .refs_size = compressed->ref_count * sizeof(*compressed->refs),
         };
-    return arrays;
+    return (struct bvh_arrays){
+        .nodes = bvh->nodes,
+        .woop = bvh->woop,
+        .refs = bvh->refs,
+        .nodes_size = bvh->node_count * sizeof(*bvh->nodes),
+        .woop_size = bvh->ref_count * sizeof(*bvh->woop),
+        .refs_size = bvh->ref_count * sizeof(*bvh->refs),
+    };
+}
+
+// The layout whose triangles a layout's nodes are over.
+static enum bvh_layout find_leaves(const struct upload_source *source, enum bvh_layout layout)
+{
+    return layout == LAYOUT_BINARY && source->bvh->woop == NULL ? LAYOUT_QUAD : layout;
+}
+
+static bool is_in(unsigned layouts, enum bvh_layout layout)
+{
+    return (layouts >> layout & 1u) != 0;
+}
+
+// The layouts whose triangles these layouts are over.
+static unsigned all_leaves(const struct upload_source *source, unsigned layouts)
+{
+    unsigned leaves = 0;
+    for (enum bvh_layout layout = LAYOUT_BINARY; layout < LAYOUT_END; layout++)
+        if (is_in(layouts, layout))
+            leaves |= 1u << find_leaves(source, layout);
+    return leaves;
+}
+
+static uint64_t bvh_size(const struct upload_source *source)
+{
+    const unsigned leaves = all_leaves(source, source->layouts);
+    uint64_t size = 0;
+    for (enum bvh_layout layout = LAYOUT_BINARY; layout < LAYOUT_END; layout++) {
+        const struct bvh_arrays arrays = find_arrays(source, layout);
+        size += is_in(source->layouts, layout) ? arrays.nodes_size : 0;
+        size += is_in(leaves, layout) ? arrays.woop_size + arrays.refs_size : 0;
+    }
+    return size;
 }
 
 struct upload_sizes upload_sizes(const struct upload_source *source)
 {
-    const struct bvh_arrays arrays = find_arrays(source);
     const struct geometry *geometry = source->geometry;
     const uint64_t vertices = geometry->vertex_count;
     const uint64_t lights = source->emitters->light_count;
     struct upload_sizes sizes = {
-        .bvh = arrays.nodes_size + arrays.woop_size + arrays.refs_size,
+        .bvh = bvh_size(source),
         .geometry = vertices * sizeof(struct vertex) +
                     (geometry->colors != NULL ? vertices * sizeof(*geometry->colors) : 0) +
                     (geometry->tangents != NULL ? vertices * sizeof(*geometry->tangents) : 0) +
@@ -81,19 +112,34 @@ struct upload_sizes upload_sizes(const struct upload_source *source)
     return sizes;
 }
 
-static enum status upload_bvh(struct device_scene *out, struct gpu *gpu,
-                              const struct upload_source *source, bool nodes_image)
+static enum status upload_nodes(struct device_bvh *out, struct gpu *gpu,
+                                const struct bvh_arrays *arrays, bool nodes_image)
 {
-    const struct bvh_arrays arrays = find_arrays(source);
     struct buffer *rows = nodes_image ? &out->node_rows : &out->nodes;
-    enum status status = buffer_create(rows, gpu, arrays.nodes_size, arrays.nodes, "BVH nodes");
+    enum status status = buffer_create(rows, gpu, arrays->nodes_size, arrays->nodes, "BVH nodes");
     if (status == STATUS_OK && nodes_image)
         status = buffer_view_rows(&out->nodes, gpu, rows, "BVH nodes");
-    if (status == STATUS_OK)
-        status = buffer_create(&out->woop, gpu, arrays.woop_size, arrays.woop, "triangle matrices");
-    if (status == STATUS_OK)
-        status =
-            buffer_create(&out->refs, gpu, arrays.refs_size, arrays.refs, "triangle references");
+    return status;
+}
+
+static enum status upload_bvhs(struct device_scene *out, struct gpu *gpu,
+                               const struct upload_source *source, bool nodes_image)
+{
+    const unsigned leaves = all_leaves(source, source->layouts);
+    enum status status = STATUS_OK;
+    for (enum bvh_layout layout = LAYOUT_BINARY; layout < LAYOUT_END; layout++) {
+        const struct bvh_arrays arrays = find_arrays(source, layout);
+        struct device_bvh *bvh = &out->bvhs[layout];
+        bvh->leaves = find_leaves(source, layout);
+        if (status == STATUS_OK && is_in(source->layouts, layout))
+            status = upload_nodes(bvh, gpu, &arrays, nodes_image);
+        if (status == STATUS_OK && is_in(leaves, layout))
+            status =
+                buffer_create(&bvh->woop, gpu, arrays.woop_size, arrays.woop, "triangle matrices");
+        if (status == STATUS_OK && is_in(leaves, layout))
+            status = buffer_create(&bvh->refs, gpu, arrays.refs_size, arrays.refs,
+                                   "triangle references");
+    }
     return status;
 }
 
@@ -257,7 +303,7 @@ enum status upload(struct device_scene *out, struct gpu *gpu, const struct uploa
                    bool nodes_image, bool textures_bound)
 {
     struct device_scene scene = {0};
-    enum status status = upload_bvh(&scene, gpu, source, nodes_image);
+    enum status status = upload_bvhs(&scene, gpu, source, nodes_image);
     if (status == STATUS_OK)
         status = upload_geometry(&scene, gpu, source->geometry);
     if (status == STATUS_OK)
@@ -270,6 +316,25 @@ enum status upload(struct device_scene *out, struct gpu *gpu, const struct uploa
     }
     *out = scene;
     return STATUS_OK;
+}
+
+void device_scene_keep(struct gpu *gpu, struct device_scene *scene, unsigned layouts)
+{
+    unsigned leaves = 0;
+    for (enum bvh_layout layout = LAYOUT_BINARY; layout < LAYOUT_END; layout++)
+        if (is_in(layouts, layout))
+            leaves |= 1u << scene->bvhs[layout].leaves;
+    for (enum bvh_layout layout = LAYOUT_BINARY; layout < LAYOUT_END; layout++) {
+        struct device_bvh *bvh = &scene->bvhs[layout];
+        if (!is_in(leaves, layout)) {
+            buffer_free(gpu, &bvh->refs);
+            buffer_free(gpu, &bvh->woop);
+        }
+        if (!is_in(layouts, layout)) {
+            buffer_free(gpu, &bvh->nodes);
+            buffer_free(gpu, &bvh->node_rows);
+        }
+    }
 }
 
 void device_scene_free(struct gpu *gpu, struct device_scene *scene)
@@ -293,9 +358,6 @@ void device_scene_free(struct gpu *gpu, struct device_scene *scene)
     buffer_free(gpu, &scene->tangents);
     buffer_free(gpu, &scene->colors);
     buffer_free(gpu, &scene->vertices);
-    buffer_free(gpu, &scene->refs);
-    buffer_free(gpu, &scene->woop);
-    buffer_free(gpu, &scene->nodes);
-    buffer_free(gpu, &scene->node_rows);
+    device_scene_keep(gpu, scene, 0);
     *scene = (struct device_scene){0};
 }

@@ -10,6 +10,7 @@
 
 #include "core/status.h"
 #include "device/buffer.h"
+#include "device/program.h"
 #include "prep/bvh_compressed.h"
 #include "prep/bvh_pack.h"
 #include "prep/bvh_quad.h"
@@ -24,10 +25,11 @@
 /** What is to be uploaded; borrowed. */
 struct upload_source {
     const struct geometry *geometry;
-    const struct packed_bvh *bvh; // the layout that kernels are built for;
-    const struct wide_bvh *wide;  // of the BVHs, those of other layouts are empty
+    const struct packed_bvh *bvh; // without triangles, it is over those of quad
+    const struct wide_bvh *wide;
     const struct quad_bvh *quad;
     const struct compressed_bvh *compressed;
+    unsigned layouts; // of these, those to be uploaded: the sum of 1 << LAYOUT_...
     const struct emitters *emitters;
     const struct environment *environment;
     const struct light_tree *light_tree; // the one that the sampler needs,
@@ -40,11 +42,17 @@ struct upload_sizes {
     uint64_t bvh, geometry, materials, lights;
 };
 
-/** All zero is a valid empty one. */
-struct device_scene {
+/** One layout of the BVH. */
+struct device_bvh {
     struct buffer nodes; // struct bvh_node, or a view of them as a 1D texture, or another layout's
     struct buffer node_rows;  // what the view views; empty without one
-    struct buffer woop, refs; // struct woop, or woop_block
+    enum bvh_layout leaves;   // the layout whose triangles these nodes are over
+    struct buffer woop, refs; // struct woop, or woop_block; empty in a layout over another's
+};
+
+/** All zero is a valid empty one. */
+struct device_scene {
+    struct device_bvh bvhs[LAYOUT_END]; // by layout; those that were not uploaded are empty
     struct buffer vertices, colors, tangents, triangles, triangle_emitters;
     struct buffer materials, texels;
     struct buffer *images;     // [image_count], the first white for slots without one; owned
@@ -62,7 +70,7 @@ struct device_scene {
     bool glossy;            // some material has more than a Lambert term
 };
 
-/** What upload() will take on the device, images apart. */
+/** What upload() will take on the device, images apart; of the BVH, all layouts asked for. */
 struct upload_sizes upload_sizes(const struct upload_source *source);
 
 /**
@@ -74,6 +82,9 @@ struct upload_sizes upload_sizes(const struct upload_source *source);
  */
 enum status upload(struct device_scene *out, struct gpu *gpu, const struct upload_source *source,
                    bool nodes_image, bool textures_bound);
+
+/** Releases layouts of the BVH that are not among these, but for triangles that those need. */
+void device_scene_keep(struct gpu *gpu, struct device_scene *scene, unsigned layouts);
 
 /** Releases everything. Safe on an empty one. */
 void device_scene_free(struct gpu *gpu, struct device_scene *scene);

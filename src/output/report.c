@@ -85,6 +85,21 @@ static void write_settings(struct json *json, const struct lk_settings *settings
     json_object_end(json);
 }
 
+// How rays of each kind are traced, and why.
+static void write_tracing(struct json *json, const struct lk_device_share *share)
+{
+    json_object(json, "tracing");
+    for (int i = 0; i < LK_RAYS_COUNT; i++) {
+        json_object(json, choices_rays[i]);
+        json_string(json, "bvh", choices_bvh[share->tracing[i].bvh]);
+        json_string(json, "trace", choices_trace[share->tracing[i].trace]);
+        json_string(json, "from", choices_reason[share->tracing[i].reason]);
+        json_object_end(json);
+    }
+    json_double(json, "probe_s", share->probe_s);
+    json_object_end(json);
+}
+
 // Each device, what was chosen for it, and its part of the paths.
 static void write_devices(struct json *json, const struct lk_render_info *info)
 {
@@ -99,6 +114,7 @@ static void write_devices(struct json *json, const struct lk_render_info *info)
         json_uint(json, "compute_units", share->info.compute_units);
         json_string(json, "trace", choices_trace[share->trace]);
         json_string(json, "bvh", choices_bvh[share->bvh]);
+        write_tracing(json, share);
         json_string(json, "textures", choices_textures[share->textures]);
         json_uint(json, "queue", share->queue);
         json_uint(json, "memory_bytes", share->memory);

@@ -3,8 +3,8 @@
 enum status direct_build(struct direct *out, const struct gpu *gpu,
                          const struct program_options *options, uint32_t *built)
 {
-    const struct program_options own = stage_shadow_options(options);
-    return kernel_build(&out->kernel, gpu, "direct", &own, built);
+    out->layout = program_layout(options);
+    return kernel_build(&out->kernel, gpu, "direct", options, built);
 }
 
 enum status direct_enqueue(const struct direct *direct, const struct stage_context *context)
@@ -12,7 +12,7 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const struct kernel_arg args[] = {
-        ARGS_TRACED(scene),
+        ARGS_TRACED(scene, direct->layout),
         ARG_BUFFER(&w->settings),
         ARG_VALUE(context->batch),
         ARG_VALUE(context->bounce),

@@ -3,8 +3,8 @@
 enum status directional_build(struct directional *out, const struct gpu *gpu,
                               const struct program_options *options, uint32_t *built)
 {
-    const struct program_options own = stage_shadow_options(options);
-    return kernel_build(&out->kernel, gpu, "directional", &own, built);
+    out->layout = program_layout(options);
+    return kernel_build(&out->kernel, gpu, "directional", options, built);
 }
 
 enum status directional_enqueue(const struct directional *directional,
@@ -13,7 +13,7 @@ enum status directional_enqueue(const struct directional *directional,
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const struct kernel_arg args[] = {
-        ARGS_TRACED(scene),
+        ARGS_TRACED(scene, directional->layout),
         ARG_BUFFER(stage_queue(context)),
         ARG_BUFFER(&w->rays),
         ARG_BUFFER(&w->hits),

@@ -1,5 +1,7 @@
 #include "pipeline/pipeline.h"
 
+#include "core/log.h"
+
 static bool has_environment(const struct device_scene *scene)
 {
     return scene->map.width > 0;
@@ -10,19 +12,9 @@ static bool has_far_lights(const struct device_scene *scene)
     return scene->directional_count > 0 || has_environment(scene);
 }
 
-// The stages that are built, and whether a scene needs them.
-enum stage {
-    RAYGEN,
-    TRACE,
-    ENVIRONMENT,
-    SORT,
-    MATERIAL,
-    DIRECT,
-    DIRECTIONAL,
-    SCATTER,
-    COMPACT,
-    STAGE_COUNT
-};
+// The stages that are built, those that trace for each form, and whether a scene needs them.
+enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, COMPACT, STAGE_COUNT };
+enum form_stage { TRACE, DIRECT, DIRECTIONAL, FORM_STAGE_COUNT };
 
 static bool needs_stage(enum stage stage, const struct device_scene *scene,
                         const struct program_options *options)
@@ -32,12 +24,21 @@ static bool needs_stage(enum stage stage, const struct device_scene *scene,
         return has_environment(scene);
     case SORT:
         return options->textures_bound;
-    case DIRECT:
-        return scene->light_count > 0;
-    case DIRECTIONAL:
-        return has_far_lights(scene);
     default:
         return true;
+    }
+}
+
+static bool needs_form_stage(enum form_stage stage, const struct device_scene *scene,
+                             const struct pipeline_form *form)
+{
+    switch (stage) {
+    case TRACE:
+        return form->traces;
+    case DIRECT:
+        return form->shadows && scene->light_count > 0;
+    default:
+        return form->shadows && has_far_lights(scene);
     }
 }
 
@@ -47,18 +48,12 @@ static enum status build_stage(struct pipeline *p, enum stage stage, const struc
     switch (stage) {
     case RAYGEN:
         return raygen_build(&p->raygen, gpu, &p->options, built);
-    case TRACE:
-        return trace_build(&p->trace, gpu, &p->options, built);
     case ENVIRONMENT:
         return environment_stage_build(&p->environment, gpu, &p->options, built);
     case SORT:
         return sort_build(&p->sort, gpu, &p->options, built);
     case MATERIAL:
         return material_build(&p->material, gpu, &p->options, built);
-    case DIRECT:
-        return direct_build(&p->direct, gpu, &p->options, built);
-    case DIRECTIONAL:
-        return directional_build(&p->directional, gpu, &p->options, built);
     case SCATTER:
         return scatter_build(&p->scatter, gpu, &p->options, built);
     default:
@@ -66,26 +61,69 @@ static enum status build_stage(struct pipeline *p, enum stage stage, const struc
     }
 }
 
-enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
-                           const struct device_scene *scene, const struct program_options *options)
+static enum status build_form_stage(struct pipeline_form *form, enum form_stage stage,
+                                    const struct gpu *gpu, uint32_t *built)
 {
-    struct pipeline p = {.options = *options};
-    enum status statuses[STAGE_COUNT] = {STATUS_OK};
-    uint32_t built[STAGE_COUNT] = {0};
+    switch (stage) {
+    case TRACE:
+        return trace_build(&form->trace, gpu, &form->options, built);
+    case DIRECT:
+        return direct_build(&form->direct, gpu, &form->options, built);
+    default:
+        return directional_build(&form->directional, gpu, &form->options, built);
+    }
+}
 
-    // A compiler of its own for each stage; PoCL has only one, and compiles at the first launch.
-#pragma omp parallel for schedule(dynamic, 1) num_threads(gpu->info.is_cpu ? 1 : STAGE_COUNT)
-    for (int i = 0; i < STAGE_COUNT; i++)
-        if (needs_stage((enum stage)i, scene, options))
-            statuses[i] = build_stage(&p, (enum stage)i, gpu, &built[i]);
+// Builds one thing, first all stages, then those of the forms, if it is needed.
+static enum status build_job(struct pipeline *p, int job, const struct gpu *gpu,
+                             const struct device_scene *scene, uint32_t *built)
+{
+    if (job < STAGE_COUNT)
+        return needs_stage((enum stage)job, scene, &p->options)
+                   ? build_stage(p, (enum stage)job, gpu, built)
+                   : STATUS_OK;
+    struct pipeline_form *form = &p->forms[(job - STAGE_COUNT) / FORM_STAGE_COUNT];
+    const enum form_stage stage = (enum form_stage)((job - STAGE_COUNT) % FORM_STAGE_COUNT);
+    return needs_form_stage(stage, scene, form) ? build_form_stage(form, stage, gpu, built)
+                                                : STATUS_OK;
+}
+
+#define JOBS_MAX (STAGE_COUNT + FORM_STAGE_COUNT * (int)PIPELINE_FORMS_MAX)
+
+enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
+                           const struct device_scene *scene, const struct program_options *options,
+                           const struct pipeline_form *forms, uint32_t form_count)
+{
+    struct pipeline p = {.options = *options, .form_count = form_count};
+    enum status statuses[JOBS_MAX] = {STATUS_OK};
+    uint32_t built[JOBS_MAX] = {0};
+    const int job_count = STAGE_COUNT + FORM_STAGE_COUNT * (int)form_count;
+    for (uint32_t i = 0; i < form_count; i++)
+        p.forms[i] = forms[i];
+
+        // A compiler of its own for each stage; PoCL has only one, and compiles at the first
+        // launch.
+#pragma omp parallel for schedule(dynamic, 1) num_threads(gpu->info.is_cpu ? 1 : job_count)
+    for (int i = 0; i < job_count; i++)
+        statuses[i] = build_job(&p, i, gpu, scene, &built[i]);
 
     // Messages are a thread's own: what failed fails again for its message.
     enum status status = STATUS_OK;
-    for (int i = 0; i < STAGE_COUNT && status == STATUS_OK; i++) {
-        if (statuses[i] != STATUS_OK)
-            status = build_stage(&p, (enum stage)i, gpu, &built[i]);
+    for (int i = 0; i < job_count && status == STATUS_OK; i++) {
+        struct pipeline_form *form =
+            i < STAGE_COUNT ? NULL : &p.forms[(i - STAGE_COUNT) / FORM_STAGE_COUNT];
+        if (statuses[i] != STATUS_OK && (form == NULL || !form->failed))
+            status = build_job(&p, i, gpu, scene, &built[i]);
+        if (status != STATUS_OK && form != NULL && form->may_fail) {
+            log_message(LOG_WARNING, "%s", status_message());
+            form->failed = true;
+            status = STATUS_OK;
+        }
         p.built += built[i];
     }
+    for (uint32_t i = 0; i < form_count; i++)
+        if (p.forms[i].failed)
+            pipeline_drop(&p, i);
     if (status != STATUS_OK) {
         pipeline_free(&p);
         return status;
@@ -94,29 +132,82 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     return STATUS_OK;
 }
 
-// One bounce: what the rays of the queue hit, light on it, and the rays that go on.
-static enum status enqueue_bounce(const struct pipeline *p, const struct stage_context *context,
-                                  uint32_t depth, uint32_t bounces)
+enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,
+                                 const struct device_scene *scene, uint32_t form)
 {
-    const bool shades = context->bounce < depth; // else emission is collected only
-    enum status status = trace_enqueue(&p->trace, context);
-    if (status == STATUS_OK && has_environment(context->scene))
+    struct pipeline_form *f = &pipeline->forms[form];
+    if (f->shadows)
+        return STATUS_OK;
+    f->shadows = true;
+    enum status status = STATUS_OK;
+    for (int stage = DIRECT; stage < FORM_STAGE_COUNT && status == STATUS_OK; stage++)
+        if (needs_form_stage((enum form_stage)stage, scene, f))
+            status = build_form_stage(f, (enum form_stage)stage, gpu, &pipeline->built);
+    if (status != STATUS_OK && f->may_fail) {
+        log_message(LOG_WARNING, "%s", status_message());
+        f->failed = true;
+        pipeline_drop(pipeline, form);
+        status = STATUS_OK;
+    }
+    return status;
+}
+
+void pipeline_drop(struct pipeline *pipeline, uint32_t form)
+{
+    struct pipeline_form *f = &pipeline->forms[form];
+    directional_free(&f->directional);
+    direct_free(&f->direct);
+    trace_free(&f->trace);
+}
+
+uint32_t pipeline_bounces(const struct device_scene *scene, uint32_t depth)
+{
+    return scene->emitter_count > 0 && scene->glossy ? depth + 1 : depth;
+}
+
+bool pipeline_has_shadows(const struct device_scene *scene)
+{
+    return scene->light_count > 0 || has_far_lights(scene);
+}
+
+enum status pipeline_trace(const struct pipeline *p, uint32_t form,
+                           const struct stage_context *context)
+{
+    return trace_enqueue(&p->forms[form].trace, context);
+}
+
+enum status pipeline_shade(const struct pipeline *p, const struct stage_context *context)
+{
+    enum status status = STATUS_OK;
+    if (has_environment(context->scene))
         status = environment_stage_enqueue(&p->environment, context);
     if (status == STATUS_OK && p->options.textures_bound)
         status = sort_enqueue(&p->sort, context);
     if (status == STATUS_OK)
         status = material_enqueue(&p->material, context);
-    if (status == STATUS_OK && shades && context->scene->light_count > 0)
-        status = direct_enqueue(&p->direct, context);
-    if (status == STATUS_OK && shades && has_far_lights(context->scene))
-        status = directional_enqueue(&p->directional, context);
-    if (context->bounce + 1 == bounces)
-        return status;
-    if (status == STATUS_OK)
-        status = scatter_enqueue(&p->scatter, context);
-    if (status == STATUS_OK)
-        status = compact_enqueue(&p->compact, context);
     return status;
+}
+
+enum status pipeline_light(const struct pipeline *p, uint32_t form,
+                           const struct stage_context *context)
+{
+    enum status status = STATUS_OK;
+    if (context->scene->light_count > 0)
+        status = direct_enqueue(&p->forms[form].direct, context);
+    if (status == STATUS_OK && has_far_lights(context->scene))
+        status = directional_enqueue(&p->forms[form].directional, context);
+    return status;
+}
+
+enum status pipeline_go_on(const struct pipeline *p, const struct stage_context *context)
+{
+    const enum status status = scatter_enqueue(&p->scatter, context);
+    return status == STATUS_OK ? compact_enqueue(&p->compact, context) : status;
+}
+
+enum ray_class pipeline_class(uint32_t bounce)
+{
+    return bounce == 0 ? RAYS_CAMERA : bounce == 1 ? RAYS_FIRST_BOUNCE : RAYS_LATER_BOUNCES;
 }
 
 enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
@@ -131,12 +222,17 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
         .coherent = true, // camera rays
     };
 
-    // After the last shaded hit a path may go on once more, to collect what a glossy surface
-    // mirrors.
-    const uint32_t bounces = scene->emitter_count > 0 && scene->glossy ? depth + 1 : depth;
+    const uint32_t bounces = pipeline_bounces(scene, depth);
+    const uint32_t *form_of = pipeline->form_of;
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
-        status = enqueue_bounce(pipeline, &context, depth, bounces);
+        status = pipeline_trace(pipeline, form_of[pipeline_class(context.bounce)], &context);
+        if (status == STATUS_OK)
+            status = pipeline_shade(pipeline, &context);
+        if (status == STATUS_OK && context.bounce < depth) // else emission is collected only
+            status = pipeline_light(pipeline, form_of[RAYS_SHADOW], &context);
+        if (status == STATUS_OK && context.bounce + 1 < bounces)
+            status = pipeline_go_on(pipeline, &context);
         context.coherent = false;
     }
     return status;
@@ -146,12 +242,11 @@ void pipeline_free(struct pipeline *pipeline)
 {
     compact_free(&pipeline->compact);
     scatter_free(&pipeline->scatter);
-    directional_free(&pipeline->directional);
-    direct_free(&pipeline->direct);
+    for (uint32_t i = 0; i < pipeline->form_count; i++)
+        pipeline_drop(pipeline, i);
     material_free(&pipeline->material);
     sort_free(&pipeline->sort);
     environment_stage_free(&pipeline->environment);
-    trace_free(&pipeline->trace);
     raygen_free(&pipeline->raygen);
     *pipeline = (struct pipeline){0};
 }

@@ -10,24 +10,57 @@
 #include "core/status.h"
 #include "pipeline/stages.h"
 
+/** Kinds of rays, each of which may be traced in a way of its own. */
+enum ray_class { RAYS_CAMERA, RAYS_FIRST_BOUNCE, RAYS_LATER_BOUNCES, RAYS_SHADOW, RAY_CLASSES };
+
+/** The kind of the rays that a bounce traces. */
+enum ray_class pipeline_class(uint32_t bounce);
+
+#define PIPELINE_FORMS_MAX 12u
+
+/** A way to trace: the stages that do, built alike. All zero is a valid empty one. */
+struct pipeline_form {
+    struct program_options options;
+    bool traces, shadows; // what it is for: trace; direct and directional
+    bool may_fail;        // and if it does not compile, that is no more than a warning
+    bool failed;          // it did not: nothing of it is built
+    struct trace trace;
+    struct direct direct;           // unused without lights in the tree
+    struct directional directional; // unused without directional lights or an environment
+};
+
 /** The built stages. All zero is a valid empty one. */
 struct pipeline {
     struct raygen raygen;
-    struct trace trace;
     struct environment_stage environment; // unused without an environment
     struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
-    struct direct direct;           // unused without lights in the tree
-    struct directional directional; // unused without directional lights or an environment
     struct scatter scatter;
     struct compact compact;
+    struct pipeline_form forms[PIPELINE_FORMS_MAX];
+    uint32_t form_count;
+    uint32_t form_of[RAY_CLASSES]; // how rays are traced
     struct program_options options;
     uint32_t built; // programs compiled from source
 };
 
-/** Builds the stages that this scene needs. Fails as kernel_build(). */
+/**
+ * Builds the stages that this scene needs. Fails as kernel_build().
+ *
+ * @param options     Of stages that do not trace.
+ * @param forms       [form_count] of the others; options, traces, shadows and may_fail are read.
+ */
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
-                           const struct device_scene *scene, const struct program_options *options);
+                           const struct device_scene *scene, const struct program_options *options,
+                           const struct pipeline_form *forms, uint32_t form_count);
+
+/** Builds a form's stages for shadow rays if they are not. Fails, or marks it as failed, as above.
+ */
+enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,
+                                 const struct device_scene *scene, uint32_t form);
+
+/** Releases a form that is not needed any more. */
+void pipeline_drop(struct pipeline *pipeline, uint32_t form);
 
 /**
  * Enqueues all stages of one batch but the film, and returns; nothing is waited for.
@@ -37,6 +70,22 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
 enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
                              const struct device_scene *scene, const struct wavefront *wavefront,
                              const struct batch *batch, uint32_t depth);
+
+/** Bounces that are enqueued: after the last shaded hit a path may go on once more, to collect what
+ * a glossy surface mirrors. */
+uint32_t pipeline_bounces(const struct device_scene *scene, uint32_t depth);
+
+/** Whether shadow rays are traced in this scene. */
+bool pipeline_has_shadows(const struct device_scene *scene);
+
+/** The parts of a bounce, in order: its rays, in one of the forms; its hits; its shadow rays, in
+ * one of the forms; the rays of the next. */
+enum status pipeline_trace(const struct pipeline *pipeline, uint32_t form,
+                           const struct stage_context *context);
+enum status pipeline_shade(const struct pipeline *pipeline, const struct stage_context *context);
+enum status pipeline_light(const struct pipeline *pipeline, uint32_t form,
+                           const struct stage_context *context);
+enum status pipeline_go_on(const struct pipeline *pipeline, const struct stage_context *context);
 
 void pipeline_free(struct pipeline *pipeline);
 

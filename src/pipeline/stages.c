@@ -19,14 +19,6 @@ size_t stage_loop_items(const struct stage_context *context, const struct kernel
     return (size_t)context->gpu->info.compute_units * LOOP_GROUPS * kernel->group_size;
 }
 
-struct program_options stage_shadow_options(const struct program_options *options)
-{
-    struct program_options own = *options;
-    if ((own.bvh_quad || own.bvh_compressed) && own.warp_votes)
-        own.persistent = false;
-    return own;
-}
-
 size_t stage_shade_items(const struct stage_context *context, const struct kernel *kernel)
 {
     return context->gpu->info.is_cpu ? stage_loop_items(context, kernel) : context->batch.count;

@@ -28,8 +28,10 @@ struct stage_context {
 
 /** The arguments that every kernel that traces takes first: TRACED_PARAMETERS of cl/lib/traverse.h.
  */
-#define ARGS_TRACED(scene)                                                                         \
-    ARG_BUFFER(&(scene)->nodes), ARG_BUFFER(&(scene)->woop), ARG_BUFFER(&(scene)->refs),           \
+#define ARGS_TRACED(scene, layout)                                                                 \
+    ARG_BUFFER(&(scene)->bvhs[layout].nodes),                                                      \
+        ARG_BUFFER(&(scene)->bvhs[(scene)->bvhs[layout].leaves].woop),                             \
+        ARG_BUFFER(&(scene)->bvhs[(scene)->bvhs[layout].leaves].refs),                             \
         ARG_BUFFER(&(scene)->vertices), ARG_BUFFER(&(scene)->colors),                              \
         ARG_BUFFER(&(scene)->triangles), ARG_BUFFER(&(scene)->materials),                          \
         ARG_BUFFER(&(scene)->texels)
@@ -39,12 +41,6 @@ const struct buffer *stage_queue(const struct stage_context *context);
 
 /** Work items of a kernel that loops until the work is done: enough to fill the device. */
 size_t stage_loop_items(const struct stage_context *context, const struct kernel *kernel);
-
-/**
- * Build options of a kernel that traces shadow rays on the way. Only rays that are traced alone can
- * refill a warp (cl/lib/trace_refill.h); with others, a queue for each warp is slower than none.
- */
-struct program_options stage_shadow_options(const struct program_options *options);
 
 /** Work items of a kernel that shades: on CPUs it loops over lanes (cl/lib/shade_lanes.h). */
 size_t stage_shade_items(const struct stage_context *context, const struct kernel *kernel);
@@ -66,9 +62,10 @@ void raygen_free(struct raygen *raygen);
 
 struct trace {
     struct kernel kernel;
-    struct kernel packets; // for rays that run alike; empty where there is none
-    struct kernel few;     // for other rays among few triangles; empty where there is none
-    bool tints;            // the variant that writes paths
+    struct kernel packets;  // for rays that run alike; empty where there is none
+    struct kernel few;      // for other rays among few triangles; empty where there is none
+    bool tints;             // the variant that writes paths
+    enum bvh_layout layout; // that it reads
 };
 
 enum status trace_build(struct trace *out, const struct gpu *gpu,
@@ -110,6 +107,7 @@ void material_free(struct material_stage *material);
 
 struct direct {
     struct kernel kernel;
+    enum bvh_layout layout;
 };
 
 enum status direct_build(struct direct *out, const struct gpu *gpu,
@@ -119,6 +117,7 @@ void direct_free(struct direct *direct);
 
 struct directional {
     struct kernel kernel;
+    enum bvh_layout layout;
 };
 
 enum status directional_build(struct directional *out, const struct gpu *gpu,

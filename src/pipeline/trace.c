@@ -14,6 +14,7 @@ enum status trace_build(struct trace *out, const struct gpu *gpu,
 {
     struct program program = {0};
     out->tints = options->alpha && options->layers;
+    out->layout = program_layout(options);
     enum status status = program_build(&program, gpu, "trace", options);
     if (status != STATUS_OK)
         return status;
@@ -36,15 +37,20 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     struct kernel_arg args[] = {
-        ARGS_TRACED(scene),    ARG_BUFFER(&w->rays),     ARG_BUFFER(stage_queue(context)),
-        ARG_BUFFER(&w->hits),  ARG_BUFFER(&w->counters), ARG_VALUE(context->bounce),
+        ARGS_TRACED(scene, trace->layout),
+        ARG_BUFFER(&w->rays),
+        ARG_BUFFER(stage_queue(context)),
+        ARG_BUFFER(&w->hits),
+        ARG_BUFFER(&w->counters),
+        ARG_VALUE(context->bounce),
         ARG_BUFFER(&w->paths),
     };
     const size_t count = sizeof(args) / sizeof(args[0]) - (trace->tints ? 0 : 1);
     if (context->coherent && trace->packets.handle != NULL)
         return kernel_enqueue(context->gpu, &trace->packets, args, count,
                               (context->batch.count + RAY_PACKET - 1) / RAY_PACKET);
-    const uint32_t block_count = (uint32_t)(scene->woop.size / sizeof(struct woop_block));
+    const uint32_t block_count =
+        (uint32_t)(scene->bvhs[LAYOUT_WIDE].woop.size / sizeof(struct woop_block));
     if (trace->few.handle != NULL && block_count <= FEW_BLOCKS) {
         args[count] = (struct kernel_arg)ARG_VALUE(block_count); // in place of the paths
         return kernel_enqueue(context->gpu, &trace->few, args, count + 1,

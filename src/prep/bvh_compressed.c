@@ -115,8 +115,9 @@ static bool set_boxes(struct compressed_node *out, const struct byte_boxes *boxe
 static uint32_t pack_leaf(struct packer *p, const struct collapse_choice *choice, uint32_t base)
 {
     const uint32_t first = p->compressed.ref_count;
-    const uint32_t count = bvh_ref_words(p->compressed.refs + first, p->collapse.bvh, choice->first,
-                                         choice->count, p->refs, p->geometry, p->materials);
+    const uint32_t count =
+        bvh_ref_words(p->compressed.refs + first, NULL, p->collapse.bvh, choice->first,
+                      choice->count, p->refs, p->geometry, p->materials);
     p->compressed.ref_count += count;
     return ((1u << count) - 1u) << 5 | (first - base);
 }

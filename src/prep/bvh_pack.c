@@ -1,6 +1,6 @@
 #include "prep/bvh_pack.h"
 
-#include <stdbool.h>
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -58,23 +58,27 @@ uint32_t bvh_ref_word(const struct geometry *geometry, const struct scene_materi
     return triangle | (passes ? BVH_REF_ALPHA : 0u);
 }
 
-static bool is_repeated(const uint32_t *words, uint32_t count, uint32_t word)
+// Where a word stands among others; count if it is none of them.
+static uint32_t find_word(const uint32_t *words, uint32_t count, uint32_t word)
 {
-    for (uint32_t i = 0; i < count; i++)
-        if (words[i] == word)
-            return true;
-    return false;
+    uint32_t i = 0;
+    while (i < count && words[i] != word)
+        i++;
+    return i;
 }
 
-uint32_t bvh_ref_words(uint32_t *words, const struct bvh *bvh, uint32_t first, uint32_t count,
-                       const struct tri_ref *refs, const struct geometry *geometry,
+uint32_t bvh_ref_words(uint32_t *words, uint32_t *places, const struct bvh *bvh, uint32_t first,
+                       uint32_t count, const struct tri_ref *refs, const struct geometry *geometry,
                        const struct scene_material *materials)
 {
     uint32_t written = 0;
     for (uint32_t i = first; i < first + count; i++) {
         const uint32_t word = bvh_ref_word(geometry, materials, refs[bvh->order[i]].triangle);
-        if (!is_repeated(words, written, word))
+        const uint32_t place = find_word(words, written, word);
+        if (place == written)
             words[written++] = word;
+        if (places != NULL)
+            places[i - first] = place;
     }
     return written;
 }
@@ -100,25 +104,45 @@ static void set_node(struct bvh_node *out, const struct child *c0, const struct 
     memcpy(&out->row3.y, &c1->word, sizeof(c1->word));
 }
 
-static struct child pack_subtree(struct packed_bvh *packed, const struct bvh *bvh, uint32_t index);
+struct packer {
+    struct packed_bvh packed;
+    const struct bvh *bvh;
+    const uint32_t *places; // NULL: references stand in the tree's order
+};
+
+// The word of a leaf.
+static int32_t leaf_word(const struct packer *p, uint32_t first, uint32_t count)
+{
+    uint32_t least = p->places != NULL ? p->places[first] : first;
+    uint32_t most = p->places != NULL ? least : first + count - 1;
+    for (uint32_t i = 1; i < count && p->places != NULL; i++) {
+        const uint32_t place = p->places[first + i];
+        least = place < least ? place : least;
+        most = place > most ? place : most;
+    }
+    assert(most - least < BVH_LEAF_MAX);
+    return ~(int32_t)(least << BVH_LEAF_BITS | (most - least + 1));
+}
+
+static struct child pack_subtree(struct packer *p, uint32_t index);
 
 // Packs an inner node and what is below it, depth first. Returns its place.
-static int32_t pack_inner(struct packed_bvh *packed, const struct bvh *bvh, uint32_t left)
+static int32_t pack_inner(struct packer *p, uint32_t left)
 {
-    const uint32_t place = packed->node_count++;
-    const struct child c0 = pack_subtree(packed, bvh, left);
-    const struct child c1 = pack_subtree(packed, bvh, left + 1);
-    set_node(&packed->nodes[place], &c0, &c1);
+    const uint32_t place = p->packed.node_count++;
+    const struct child c0 = pack_subtree(p, left);
+    const struct child c1 = pack_subtree(p, left + 1);
+    set_node(&p->packed.nodes[place], &c0, &c1);
     return (int32_t)place;
 }
 
-static struct child pack_subtree(struct packed_bvh *packed, const struct bvh *bvh, uint32_t index)
+static struct child pack_subtree(struct packer *p, uint32_t index)
 {
-    const struct bvh_build_node *node = &bvh->nodes[index];
+    const struct bvh_build_node *node = &p->bvh->nodes[index];
     struct child child;
     bvh_grow(child.lo, child.hi, node);
-    child.word = node->count > 0 ? ~(int32_t)(node->left << BVH_LEAF_BITS | node->count)
-                                 : pack_inner(packed, bvh, node->left);
+    child.word =
+        node->count > 0 ? leaf_word(p, node->left, node->count) : pack_inner(p, node->left);
     return child;
 }
 
@@ -134,36 +158,55 @@ static void pack_refs(struct packed_bvh *packed, const struct bvh *bvh, const st
     }
 }
 
-enum status bvh_pack(struct packed_bvh *out, const struct bvh *bvh, const struct tri_ref *refs,
-                     const struct geometry *geometry, const struct scene_material *materials)
+// Packs the nodes.
+static enum status pack_nodes(struct packer *p)
 {
+    const struct bvh *bvh = p->bvh;
     const enum status status = bvh_check_limits(bvh);
     if (status != STATUS_OK)
         return status;
 
     // A tree of n nodes has (n - 1) / 2 inner ones; a root is there in any case.
     const uint32_t inner_count = bvh->node_count > 1 ? (bvh->node_count - 1) / 2 : 1;
-    struct packed_bvh packed = {
-        .nodes = array_alloc(inner_count, sizeof(*packed.nodes)),
-        .woop = array_alloc(bvh->ref_count, sizeof(*packed.woop)),
-        .refs = array_alloc(bvh->ref_count, sizeof(*packed.refs)),
-        .ref_count = bvh->ref_count,
-    };
-    if (packed.nodes == NULL || packed.woop == NULL || packed.refs == NULL) {
-        packed_bvh_free(&packed);
-        return status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes and %u references",
-                           inner_count, bvh->ref_count);
-    }
-
+    p->packed.nodes = array_alloc(inner_count, sizeof(*p->packed.nodes));
+    if (p->packed.nodes == NULL)
+        return status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes", inner_count);
     if (bvh->node_count > 1) {
-        pack_inner(&packed, bvh, bvh->nodes[0].left);
+        pack_inner(p, bvh->nodes[0].left);
     } else {
-        const struct child leaf =
-            bvh->node_count == 1 ? pack_subtree(&packed, bvh, 0) : empty_child;
-        set_node(&packed.nodes[packed.node_count++], &leaf, &empty_child);
+        const struct child leaf = bvh->node_count == 1 ? pack_subtree(p, 0) : empty_child;
+        set_node(&p->packed.nodes[p->packed.node_count++], &leaf, &empty_child);
     }
-    pack_refs(&packed, bvh, refs, geometry, materials);
-    *out = packed;
+    return STATUS_OK;
+}
+
+enum status bvh_pack_over(struct packed_bvh *out, const struct bvh *bvh, const uint32_t *places)
+{
+    struct packer p = {.bvh = bvh, .places = places};
+    const enum status status = pack_nodes(&p);
+    if (status == STATUS_OK)
+        *out = p.packed;
+    return status;
+}
+
+enum status bvh_pack(struct packed_bvh *out, const struct bvh *bvh, const struct tri_ref *refs,
+                     const struct geometry *geometry, const struct scene_material *materials)
+{
+    struct packer p = {.bvh = bvh};
+    const enum status status = pack_nodes(&p);
+    if (status != STATUS_OK)
+        return status;
+    struct packed_bvh *packed = &p.packed;
+    packed->woop = array_alloc(bvh->ref_count, sizeof(*packed->woop));
+    packed->refs = array_alloc(bvh->ref_count, sizeof(*packed->refs));
+    packed->ref_count = bvh->ref_count;
+    if (packed->woop == NULL || packed->refs == NULL) {
+        packed_bvh_free(packed);
+        return status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u references",
+                           bvh->ref_count);
+    }
+    pack_refs(packed, bvh, refs, geometry, materials);
+    *out = *packed;
     return STATUS_OK;
 }
 

@@ -46,8 +46,12 @@ static bool set_boxes(struct quad_node *out, const struct byte_boxes *boxes)
 static int32_t pack_leaf(struct packer *p, const struct collapse_choice *choice)
 {
     const uint32_t first = p->quad.ref_count;
-    const uint32_t count = bvh_ref_words(p->quad.refs + first, p->collapse.bvh, choice->first,
-                                         choice->count, p->refs, p->geometry, p->materials);
+    uint32_t *places = p->quad.places + choice->first;
+    const uint32_t count =
+        bvh_ref_words(p->quad.refs + first, places, p->collapse.bvh, choice->first, choice->count,
+                      p->refs, p->geometry, p->materials);
+    for (uint32_t i = 0; i < choice->count; i++)
+        places[i] += first;
     p->quad.ref_count += count;
     return ~(int32_t)(first << BVH_LEAF_BITS | count);
 }
@@ -126,7 +130,8 @@ enum status quad_bvh_pack(struct quad_bvh *out, const struct bvh *bvh, const str
     p.quad.nodes = array_alloc(node_count, sizeof(*p.quad.nodes));
     p.quad.woop = array_alloc(bvh->ref_count, sizeof(*p.quad.woop));
     p.quad.refs = array_alloc(bvh->ref_count, sizeof(*p.quad.refs));
-    if (p.quad.nodes == NULL || p.quad.woop == NULL || p.quad.refs == NULL)
+    p.quad.places = array_alloc(bvh->ref_count, sizeof(*p.quad.places));
+    if (p.quad.nodes == NULL || p.quad.woop == NULL || p.quad.refs == NULL || p.quad.places == NULL)
         status = status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes and %u references",
                              node_count, bvh->ref_count);
     if (status == STATUS_OK)
@@ -141,6 +146,7 @@ enum status quad_bvh_pack(struct quad_bvh *out, const struct bvh *bvh, const str
 
 void quad_bvh_free(struct quad_bvh *quad)
 {
+    free(quad->places);
     free(quad->refs);
     free(quad->woop);
     free(quad->nodes);

@@ -15,6 +15,7 @@ struct quad_bvh {
     struct quad_node *nodes; // [node_count], depth first, root at 0; owned
     struct woop *woop;       // [ref_count]; owned
     uint32_t *refs;          // [ref_count], BVH_REF_...; owned
+    uint32_t *places;        // [references of the tree] where each stands in refs; owned
     uint32_t node_count, ref_count;
 };
 

@@ -29,7 +29,7 @@ struct packer {
 static int32_t pack_leaf(struct packer *p, const struct collapse_choice *choice)
 {
     uint32_t words[BVH_LEAF_MAX + LEAF_REFS];
-    const uint32_t count = bvh_ref_words(words, p->collapse.bvh, choice->first, choice->count,
+    const uint32_t count = bvh_ref_words(words, NULL, p->collapse.bvh, choice->first, choice->count,
                                          p->refs, p->geometry, p->materials);
     const uint32_t first = p->wide.block_count;
     const uint32_t block_count = collapse_blocks(&p->collapse, count);

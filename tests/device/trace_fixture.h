@@ -17,7 +17,7 @@
 #include "trace_oracle.h"
 #include "trace_rays.h"
 
-#define VARIANT_COUNT 37
+#define VARIANT_COUNT 39
 #define BLENDED_ALPHA 0.4
 #define RAYS          2100u
 #define UNTOUCHED     0xdeadbeefu // hit.triangle of slots that no ray is in
@@ -34,6 +34,7 @@ enum tree {
     TREE_WIDE_SPLIT,
     TREE_QUAD,
     TREE_QUAD_SPLIT,
+    TREE_OVER, // binary, over the triangles of the 4-wide one; with splits
     TREE_COMPRESSED,
     TREE_COMPRESSED_SPLIT,
     TREES
@@ -56,6 +57,8 @@ static const struct variant all_variants[VARIANT_COUNT] = {
     {.tree = TREE_BINARY, .options = {.persistent = true, .alpha = true}, .source = "trace_warp"},
     {.tree = TREE_SPLIT, .options = {0}},
     {.tree = TREE_SPLIT, .options = {.persistent = true, .alpha = true}},
+    {.tree = TREE_OVER, .options = {0}},
+    {.tree = TREE_OVER, .options = {.persistent = true, .alpha = true}},
     {.tree = TREE_WIDE, .options = {.bvh_wide = true}},
     {.tree = TREE_WIDE_SPLIT, .options = {.bvh_wide = true, .alpha = true}},
     {.tree = TREE_WIDE_SPLIT, .options = {.bvh_wide = true, .persistent = true}},
@@ -134,7 +137,15 @@ static inline bool is_compressed(enum tree tree)
 static inline bool is_split(enum tree tree)
 {
     return tree == TREE_SPLIT || tree == TREE_WIDE_SPLIT || tree == TREE_QUAD_SPLIT ||
-           tree == TREE_COMPRESSED_SPLIT;
+           tree == TREE_COMPRESSED_SPLIT || tree == TREE_OVER;
+}
+
+static inline enum bvh_layout layout_of(enum tree tree)
+{
+    return is_wide(tree)         ? LAYOUT_WIDE
+           : is_quad(tree)       ? LAYOUT_QUAD
+           : is_compressed(tree) ? LAYOUT_COMPRESSED
+                                 : LAYOUT_BINARY;
 }
 
 static inline void build_variant(struct variant *variant, struct gpu *gpu)
@@ -148,6 +159,7 @@ static inline void build_variant(struct variant *variant, struct gpu *gpu)
     struct program program = device_program(gpu, variant->source, &variant->options);
     assert_ok(kernel_create(&variant->trace.kernel, gpu, &program, "trace"));
     variant->trace.kernel.persistent = variant->options.persistent;
+    variant->trace.layout = program_layout(&variant->options);
     if (variant->packets)
         assert_ok(kernel_create(&variant->trace.packets, gpu, &program, "trace_packets"));
     program_free(&program);
@@ -208,19 +220,22 @@ static inline void make_tree(struct trace_scene *scene, enum tree tree, const st
     }
     if (is_wide(tree))
         assert_ok(wide_bvh_pack(&wide, &bvh, refs, &scene->geometry, scene->scene_materials));
-    else if (is_quad(tree))
+    else if (is_quad(tree) || tree == TREE_OVER)
         assert_ok(quad_bvh_pack(&quad, &bvh, refs, &scene->geometry, scene->scene_materials));
     else if (is_compressed(tree))
         assert_ok(
             compressed_bvh_pack(&compressed, &bvh, refs, &scene->geometry, scene->scene_materials));
     else
         assert_ok(bvh_pack(&packed, &bvh, refs, &scene->geometry, scene->scene_materials));
+    if (tree == TREE_OVER)
+        assert_ok(bvh_pack_over(&packed, &bvh, quad.places));
     const struct material_set materials = {.materials = scene->materials,
                                            .material_count = MATERIALS};
     const struct upload_source source = {.geometry = &scene->geometry,
                                          .bvh = &packed,
                                          .wide = &wide,
                                          .quad = &quad,
+                                         .layouts = 1u << layout_of(tree),
                                          .compressed = &compressed,
                                          .emitters = &no_emitters,
                                          .environment = &no_environment,
@@ -299,7 +314,7 @@ static inline void run_any_hit(struct hit *hits, const struct fixture *f,
     const uint32_t count = RAYS;
     assert_ok(buffer_write(f->gpu, &f->wavefront.rays, rays, RAYS * sizeof(*rays)));
     const struct kernel_arg args[] = {
-        ARGS_TRACED(&scene->trees[tree]),
+        ARGS_TRACED(&scene->trees[tree], layout_of(tree)),
         ARG_BUFFER(&f->wavefront.rays),
         ARG_BUFFER(&f->wavefront.hits),
         ARG_VALUE(count),

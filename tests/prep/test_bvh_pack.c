@@ -11,6 +11,7 @@
 #include <stdbool.h>
 
 #include "prep/bvh_pack.h"
+#include "prep/bvh_quad.h"
 #include "prep_support.h"
 
 #define TRIANGLES 3000
@@ -239,6 +240,54 @@ static void packed_boxes_hold_the_tree_depth_first(void **state)
     release(&fixture);
 }
 
+// Over the triangles of the 4-wide layout, leaves have at least those of the tree's.
+static void check_leaves_over(const struct fixture *fixture, const struct packed_bvh *over,
+                              const struct quad_bvh *quad, int32_t packed_index,
+                              uint32_t build_index)
+{
+    for (int side = 0; side < 2; side++) {
+        const uint32_t index = fixture->bvh.nodes[build_index].left + (uint32_t)side;
+        const struct bvh_build_node *child = &fixture->bvh.nodes[index];
+        const int32_t word = child_word(&over->nodes[packed_index], side);
+        if (child->count == 0) {
+            check_leaves_over(fixture, over, quad, word, index);
+            continue;
+        }
+        const uint32_t first = (uint32_t)~word >> BVH_LEAF_BITS;
+        const uint32_t end = first + ((uint32_t)~word & BVH_LEAF_MAX);
+        assert_true(end <= quad->ref_count && end - first >= 1);
+        for (uint32_t k = 0; k < child->count; k++) {
+            const uint32_t ref = fixture->packed.refs[child->left + k];
+            uint32_t i = first;
+            while (i < end && quad->refs[i] != ref)
+                i++;
+            assert_true(i < end);
+        }
+    }
+}
+
+static void leaves_over_another_layout_have_their_triangles(void **state)
+{
+    (void)state;
+    for (int split = 0; split < 2; split++) {
+        struct fixture fixture;
+        struct packed_bvh over;
+        struct quad_bvh quad;
+        build(&fixture, make_soup(7, TRIANGLES, 8.0, 4.0), split ? 1.0f : 0.0f);
+        assert_int_equal(
+            quad_bvh_pack(&quad, &fixture.bvh, fixture.refs, &fixture.geometry, materials),
+            STATUS_OK);
+        assert_true(!split || quad.ref_count < fixture.packed.ref_count); // some stand once
+        assert_int_equal(bvh_pack_over(&over, &fixture.bvh, quad.places), STATUS_OK);
+        assert_int_equal(over.node_count, fixture.packed.node_count);
+        assert_null(over.woop);
+        check_leaves_over(&fixture, &over, &quad, 0, 0);
+        packed_bvh_free(&over);
+        quad_bvh_free(&quad);
+        release(&fixture);
+    }
+}
+
 static void small_scenes_have_a_root(void **state)
 {
     (void)state;
@@ -282,6 +331,7 @@ int main(void)
         cmocka_unit_test(trace_agrees_with_brute_force_after_splitting),
         cmocka_unit_test(references_name_their_triangle_and_mask),
         cmocka_unit_test(packed_boxes_hold_the_tree_depth_first),
+        cmocka_unit_test(leaves_over_another_layout_have_their_triangles),
         cmocka_unit_test(small_scenes_have_a_root),
         cmocka_unit_test(trees_deeper_than_the_stack_are_a_limit),
     };
