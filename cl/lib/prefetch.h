@@ -14,9 +14,11 @@
 #endif
 
 // Asks for a cache line of global memory. The built-in takes no global pointers, but on a CPU all
-// address spaces are one.
+// address spaces are one. Elsewhere nothing is done.
 #if PREFETCHES
 #define PREFETCH(pointer) __builtin_prefetch((const void *)(ulong)(pointer))
+#else
+#define PREFETCH(pointer) (void)(pointer)
 #endif
 
 #endif

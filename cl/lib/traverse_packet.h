@@ -212,7 +212,7 @@ static inline void traverse_packet(uint *tinted, struct packet *p, BVH_NODES nod
                 wide_compare(enter, min8(leave * (1.0f + PACKET_SLACK), (float8)(end)));
             if (bits == 0)
                 goto next;
-            node = wide_descend(stack, &top, (__global const int *)(rows + 6), bits, enter);
+            node = wide_descend(stack, &top, nodes, scene->woop, node, bits, enter);
         }
         packet_leaf(p, scene, node, tinted);
         end = packet_end(p);

@@ -11,6 +11,7 @@
 #define LIB_TRAVERSE_WIDE_H
 
 #include "lib/eight.h"
+#include "lib/prefetch.h"
 #include "lib/traced.h"
 
 #define BVH_NODES __global const float8 *restrict
@@ -46,6 +47,27 @@ static inline uint wide_highest(const uint bits)
     return 31u - clz(bits);
 }
 
+// The words of a node's children.
+static inline __global const int *wide_children(BVH_NODES nodes, const int node)
+{
+    return (__global const int *)(nodes + (size_t)node * WIDE_ROWS + 6);
+}
+
+// Asks for what a child word names, a node or a leaf's first block: what is kept for later is there
+// when its turn comes.
+static inline void wide_prefetch(BVH_NODES nodes, __global const float4 *woop, const int word)
+{
+    const uint block = (uint)~word >> WIDE_LEAF_BITS;
+    __global const char *lines =
+        word >= 0 ? (__global const char *)(nodes + (size_t)word * WIDE_ROWS)
+                  : (__global const char *)(woop + (size_t)block * WIDE_BLOCK_ROWS);
+    PREFETCH(lines);
+    PREFETCH(lines + 64);
+    PREFETCH(lines + 128);
+    if (word >= 0)
+        PREFETCH(lines + 192);
+}
+
 // Tests a leaf's triangles. Returns whether the ray ends there.
 static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const int word,
                              const float3 org, const float3 dir, const float tmin,
@@ -79,7 +101,8 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
         if (bits == 0)
             continue;
 
-        // Take the nearest of those that are there.
+        // Take the nearest of those that are there. In the end, its reference names it.
+        PREFETCH(scene->refs + WIDE_BLOCK * i);
         float ts[WIDE_BLOCK], us[WIDE_BLOCK], vs[WIDE_BLOCK];
         vstore4(t, 0, ts);
         vstore4(u, 0, us);
@@ -114,12 +137,15 @@ struct wide_entry {
 
 // Takes the nearest of the children that are hit, and keeps the others, the farther the deeper.
 //
-//   bits   those that are hit; some is
-//   enter  where
+//   parent  whose children they are
+//   bits    those that are hit; some is
+//   enter   where
 // Returns the word of the one to go on with.
-static inline int wide_descend(struct wide_entry *stack, uint *top, __global const int *children,
-                               uint bits, const float8 enter)
+static inline int wide_descend(struct wide_entry *stack, uint *top, BVH_NODES nodes,
+                               __global const float4 *woop, const int parent, uint bits,
+                               const float8 enter)
 {
+    __global const int *children = wide_children(nodes, parent);
     uint child = lanes_lowest(bits);
     bits &= bits - 1;
     int node = children[child];
@@ -135,6 +161,7 @@ static inline int wide_descend(struct wide_entry *stack, uint *top, __global con
         bits &= bits - 1;
         struct wide_entry entry;
         entry.word = children[child];
+        wide_prefetch(nodes, woop, entry.word);
         entry.enter = starts[child];
         if (entry.enter < start) {
             const struct wide_entry other = {node, start};
@@ -198,17 +225,20 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             uint bits = wide_compare(enter, leave);
             if (bits == 0)
                 goto next;
-            __global const int *children = (__global const int *)(nodes + row + 6);
 
             // For any hit, take the first, and keep the others in order.
             if (any_hit) {
-                for (; (bits & (bits - 1)) != 0; bits ^= 1u << wide_highest(bits))
-                    stack[top++].word = children[wide_highest(bits)];
+                __global const int *children = wide_children(nodes, node);
+                for (; (bits & (bits - 1)) != 0; bits ^= 1u << wide_highest(bits)) {
+                    const int word = children[wide_highest(bits)];
+                    wide_prefetch(nodes, scene->woop, word);
+                    stack[top++].word = word;
+                }
                 node = children[lanes_lowest(bits)];
                 continue;
             }
 
-            node = wide_descend(stack, &top, children, bits, enter);
+            node = wide_descend(stack, &top, nodes, scene->woop, node, bits, enter);
         }
 
         if (wide_leaf(&hit, scene, node, org, dir, tmin, any_hit, passage, mode))

@@ -14,6 +14,7 @@
 #define ROUNDS      6u
 #define SHARE       20u                  // a round asks one node in so many,
 #define SHARE_LEAST 1000u                // at least so many, or all
+#define BUCKET_BITS 14u                  // sign, exponent and five bits of what follows
 #define DEPTH_LIMIT (BVH_STACK_SIZE - 4) // nodes on the longest way down
 
 // Larger boxes are left as they are: sums over a way down would overflow.
@@ -220,15 +221,41 @@ static int compare_moves(const void *a, const void *b)
     return (x->from > y->from) - (x->from < y->from);
 }
 
+// The high bits of an area, which stand in the order of the areas.
+static inline uint32_t bucket_of(float area)
+{
+    uint32_t bits;
+    memcpy(&bits, &area, sizeof(bits));
+    return bits >> (32 - BUCKET_BITS);
+}
+
+// Collects the `count` subtrees of the largest boxes, as exactly as buckets tell.
+static void collect_largest(struct reinsertion *r, uint32_t count)
+{
+    uint32_t sizes[1u << BUCKET_BITS] = {0};
+    for (uint32_t i = 1; i < r->node_count; i++)
+        sizes[bucket_of(r->nodes[i].area)]++;
+    uint32_t last = 1u << BUCKET_BITS; // the bucket that the least of them are in
+    uint32_t left = count;             // what that one has to give
+    while (sizes[--last] < left)
+        left -= sizes[last];
+    uint32_t found = 0;
+    for (uint32_t i = 1; found < count; i++) {
+        const uint32_t bucket = bucket_of(r->nodes[i].area);
+        if (bucket < last || (bucket == last && left == 0))
+            continue;
+        left -= bucket == last;
+        r->moves[found++].from = i;
+    }
+}
+
 static void run_round(struct reinsertion *r)
 {
     // Ask those with the largest boxes.
     const uint32_t all = r->node_count - 1;
     const uint32_t share = all / SHARE > SHARE_LEAST ? all / SHARE : SHARE_LEAST;
     const uint32_t count = share < all ? share : all;
-    for (uint32_t i = 1; i < r->node_count; i++)
-        r->moves[i - 1] = (struct move){i, NOWHERE, r->nodes[i].area};
-    qsort(r->moves, all, sizeof(*r->moves), compare_moves);
+    collect_largest(r, count);
 #pragma omp parallel for schedule(dynamic, 64)
     for (uint32_t i = 0; i < count; i++)
         r->moves[i] = find_place(r->nodes, r->moves[i].from);

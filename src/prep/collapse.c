@@ -7,6 +7,8 @@
 #include "prep/array.h"
 #include "prep/box.h"
 
+#define TASK_DEPTH 8u // subtrees nearer to the root are tasks: enough of them for all threads
+
 // The least cost of two subtrees in `slots` places, and how many of them the first one takes.
 static float deal(uint32_t *taken, const struct collapse *c, uint32_t left, uint32_t slots)
 {
@@ -58,6 +60,22 @@ static void choose(struct collapse *c, uint32_t index)
     }
 }
 
+// Finds the costs of a subtree.
+static void choose_below(struct collapse *c, uint32_t index, uint32_t depth)
+{
+    const struct bvh_build_node *node = &c->bvh->nodes[index];
+    if (node->count == 0 && depth < TASK_DEPTH) {
+#pragma omp task
+        choose_below(c, node->left, depth + 1);
+        choose_below(c, node->left + 1, depth + 1);
+#pragma omp taskwait
+    } else if (node->count == 0) {
+        choose_below(c, node->left, depth + 1);
+        choose_below(c, node->left + 1, depth + 1);
+    }
+    choose(c, index);
+}
+
 enum status collapse_build(struct collapse *out, const struct bvh *bvh,
                            const struct collapse_rule *rule)
 {
@@ -66,8 +84,11 @@ enum status collapse_build(struct collapse *out, const struct bvh *bvh,
     c.choices = array_alloc(bvh->node_count, sizeof(*c.choices));
     if (c.choices == NULL)
         return status_fail(STATUS_NO_MEMORY, "no memory for a BVH of %u nodes", bvh->node_count);
-    for (uint32_t i = bvh->node_count; i > 0; i--) // children stand behind their parents
-        choose(&c, i - 1);
+    if (bvh->node_count > 0) {
+#pragma omp parallel
+#pragma omp single
+        choose_below(&c, 0, 0);
+    }
     *out = c;
     return STATUS_OK;
 }

@@ -7,7 +7,8 @@
  * spatial splits with references clipped to both sides, and unsplitting. Differs from it: the
  * references that splits may add are an allowance, shared out from the root down in proportion to
  * the children's references (as Embree does), so that tasks need not talk to each other and the
- * tree does not depend on the number of threads.
+ * tree does not depend on the number of threads; a few references are put in order instead of into
+ * bins.
  */
 #ifndef PREP_SBVH_H
 #define PREP_SBVH_H

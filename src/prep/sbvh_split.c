@@ -6,6 +6,13 @@
 
 #define BIN_COUNT 16 // slabs of an axis
 
+// So few references are put in order: there would be more bins than references.
+#define SORT_MAX 8u
+
+// The axes of a node of so many references are looked at by several threads: there are few nodes
+// yet to share out.
+#define SHARE_REFS 32768u
+
 // ---- what both ways share
 
 void split_move(struct part_set *parts, uint32_t from, uint32_t to, uint32_t count)
@@ -76,39 +83,105 @@ static inline int bin_of(const struct box *box, int axis, float lo, float scale)
     return place < BIN_COUNT - 1 ? (int)place : BIN_COUNT - 1;
 }
 
+// Keeps the overlap of a split's children with it.
+static void set_overlap(struct object_split *split, const struct box *left, const struct box *right)
+{
+    struct box both = *left;
+    box_intersect(&both, right);
+    split->overlap = box_is_empty(&both) ? 0.0 : box_half_area(both.lo, both.hi);
+}
+
+// Finds the cheapest plane of one axis between the centers of a few boxes.
+static void sort_axis(struct object_split *best, const struct box *boxes, uint32_t count, int axis)
+{
+    // Put them in order.
+    const struct box *sorted[SORT_MAX] = {boxes};
+    float centers[SORT_MAX];
+    for (uint32_t i = 0; i < count; i++) {
+        const float center = box_center(&boxes[i], axis);
+        uint32_t place = i;
+        for (; place > 0 && centers[place - 1] > center; place--) {
+            centers[place] = centers[place - 1];
+            sorted[place] = sorted[place - 1];
+        }
+        centers[place] = center;
+        sorted[place] = &boxes[i];
+    }
+
+    // Look at all ways to part them, as sweep_bins() does.
+    struct box right[SORT_MAX], left = *sorted[0];
+    right[count - 1] = *sorted[count - 1];
+    for (uint32_t i = count - 1; i > 1; i--) {
+        right[i - 1] = right[i];
+        box_unite(&right[i - 1], sorted[i - 1]);
+    }
+    for (uint32_t i = 1; i < count; i++) {
+        const double cost = i * box_half_area(left.lo, left.hi) +
+                            (count - i) * box_half_area(right[i].lo, right[i].hi);
+        if (cost < best->cost && centers[i - 1] < centers[i]) {
+            *best = (struct object_split){.axis = axis, .lo = centers[i], .cost = cost};
+            set_overlap(best, &left, &right[i]);
+        }
+        box_unite(&left, sorted[i]);
+    }
+}
+
+// Finds the cheapest plane of one axis between bins.
+static void bin_axis(struct object_split *out, const struct box *boxes, uint32_t count, int axis,
+                     const struct box *centers)
+{
+    // With an extent of nothing, or too little for its inverse, all goes into bin 0.
+    struct bins bins;
+    struct sweep sweep;
+    const float lo = centers->lo[axis];
+    const float extent = centers->hi[axis] - lo;
+    const float scale = extent > FLT_MIN * 32.0f ? BIN_COUNT / extent : 0.0f;
+    clear_bins(&bins);
+    for (uint32_t i = 0; i < count; i++) {
+        const int bin = bin_of(&boxes[i], axis, lo, scale);
+        box_unite(&bins.boxes[bin], &boxes[i]);
+        bins.begin[bin]++;
+    }
+    memcpy(bins.end, bins.begin, sizeof(bins.end));
+    sweep_bins(&sweep, &bins);
+    *out = (struct object_split){.axis = -1, .cost = DBL_MAX};
+    if (sweep.plane == 0)
+        return;
+    *out = (struct object_split){axis, sweep.plane, lo, scale, sweep.cost, 0.0};
+    set_overlap(out, &sweep.left, &sweep.right);
+}
+
 void split_find_object(struct object_split *out, const struct part_set *parts, uint32_t first,
                        uint32_t count, const struct box *centers)
 {
-    struct bins bins[3];
-    float scale[3];
-    for (int axis = 0; axis < 3; axis++) {
-        // With an extent of nothing, or too little for its inverse, all goes into bin 0.
-        const float extent = centers->hi[axis] - centers->lo[axis];
-        scale[axis] = extent > FLT_MIN * 32.0f ? BIN_COUNT / extent : 0.0f;
-        clear_bins(&bins[axis]);
+    const struct box *boxes = parts->boxes + first;
+    *out = (struct object_split){.axis = -1, .cost = DBL_MAX};
+    if (count <= SORT_MAX) {
+        for (int axis = 0; axis < 3; axis++)
+            sort_axis(out, boxes, count, axis);
+        return;
     }
-    for (uint32_t i = first; i < first + count; i++) {
-        const struct box *box = &parts->boxes[i];
+    struct object_split found[3];
+    if (count < SHARE_REFS) {
+        for (int axis = 0; axis < 3; axis++)
+            bin_axis(&found[axis], boxes, count, axis, centers);
+    } else {
+#pragma omp taskgroup
         for (int axis = 0; axis < 3; axis++) {
-            const int bin = bin_of(box, axis, centers->lo[axis], scale[axis]);
-            box_unite(&bins[axis].boxes[bin], box);
-            bins[axis].begin[bin]++;
+#pragma omp task shared(found)
+            bin_axis(&found[axis], boxes, count, axis, centers);
         }
     }
+    for (int axis = 0; axis < 3; axis++)
+        if (found[axis].cost < out->cost)
+            *out = found[axis];
+}
 
-    *out = (struct object_split){.axis = -1, .cost = DBL_MAX};
-    for (int axis = 0; axis < 3; axis++) {
-        struct sweep sweep;
-        memcpy(bins[axis].end, bins[axis].begin, sizeof(bins[axis].end));
-        sweep_bins(&sweep, &bins[axis]);
-        if (sweep.cost >= out->cost)
-            continue;
-        box_intersect(&sweep.left, &sweep.right);
-        const double overlap =
-            box_is_empty(&sweep.left) ? 0.0 : box_half_area(sweep.left.lo, sweep.left.hi);
-        *out = (struct object_split){axis,        sweep.plane, centers->lo[axis],
-                                     scale[axis], sweep.cost,  overlap};
-    }
+// Whether a reference goes left.
+static inline bool is_left(const struct object_split *split, const struct box *box)
+{
+    return split->plane > 0 ? bin_of(box, split->axis, split->lo, split->scale) < split->plane
+                            : box_center(box, split->axis) < split->lo;
 }
 
 uint32_t split_objects(struct part_set *parts, uint32_t first, uint32_t count,
@@ -117,7 +190,7 @@ uint32_t split_objects(struct part_set *parts, uint32_t first, uint32_t count,
     uint32_t i = first;
     uint32_t end = first + count;
     while (i < end) {
-        if (bin_of(&parts->boxes[i], split->axis, split->lo, split->scale) < split->plane)
+        if (is_left(split, &parts->boxes[i]))
             i++;
         else
             boxes_swap(parts->boxes, parts->order, i, --end);
@@ -134,6 +207,18 @@ static void load_corners(double corners[3][3], const struct part_set *parts, uin
     vec3_position(corners[0], &geometry->vertices[triangle->v0]);
     vec3_position(corners[1], &geometry->vertices[triangle->v1]);
     vec3_position(corners[2], &geometry->vertices[triangle->v2]);
+}
+
+// The same in floats, as boxes have them; lane 3 is 0.
+static void load_corner_rows(float corners[3][4], const struct part_set *parts, uint32_t index)
+{
+    const struct geometry *geometry = parts->geometry;
+    const struct triangle *triangle = &geometry->triangles[parts->refs[index].triangle];
+    const uint32_t vertices[3] = {triangle->v0, triangle->v1, triangle->v2};
+    for (int i = 0; i < 3; i++) {
+        memcpy(corners[i], &geometry->vertices[vertices[i]].pos_normal, 3 * sizeof(float));
+        corners[i][3] = 0.0f;
+    }
 }
 
 static inline void unite_point(struct box *box, const double *p)
@@ -189,60 +274,122 @@ static inline float slab_plane(const struct grid *grid, int slab)
     return grid->lo + (float)slab * grid->width;
 }
 
-// Chops one part into the slabs that it reaches.
+// The slabs that one part reaches on an axis.
+struct reach {
+    struct box *slabs; // [first .. last] what of the part is in each
+    const struct box *part;
+    int axis, first, last;
+};
+
+// Puts a corner of a part into its slab, and where the edge from there to the next corner meets
+// planes into the slabs on both sides. Rounded more than by cut(): what is found is an estimate.
+static void bin_edge(const struct reach *reach, const struct grid *grid, const float *a,
+                     const float *b)
+{
+    const int axis = reach->axis;
+    const float lo = reach->part->lo[axis];
+    const float hi = reach->part->hi[axis];
+    struct box point;
+    if (a[axis] >= lo && a[axis] <= hi) {
+        memcpy(point.lo, a, sizeof(point.lo));
+        memcpy(point.hi, a, sizeof(point.hi));
+        box_unite(&reach->slabs[slab_of(grid, a[axis])], &point);
+    }
+    const float low = a[axis] < b[axis] ? a[axis] : b[axis];
+    const float high = a[axis] < b[axis] ? b[axis] : a[axis];
+    if (!(low < high && low < hi && high > lo))
+        return;
+
+    // Planes between slabs have two of them beside, those where the part ends have one.
+    float slope[4];
+    for (int k = 0; k < 4; k++)
+        slope[k] = (b[k] - a[k]) / (b[axis] - a[axis]);
+    const int from = low < lo ? reach->first - 1 : slab_of(grid, low);
+    const int to = high > hi ? reach->last + 1 : slab_of(grid, high);
+    for (int slab = from; slab < to; slab++) {
+        const float at = slab < reach->first  ? lo
+                         : slab < reach->last ? slab_plane(grid, slab + 1)
+                                              : hi;
+        for (int k = 0; k < 4; k++)
+            point.lo[k] = point.hi[k] = a[k] + (at - a[axis]) * slope[k];
+        box_unite(&reach->slabs[slab < reach->first ? reach->first : slab], &point);
+        box_unite(&reach->slabs[slab < reach->last ? slab + 1 : reach->last], &point);
+    }
+}
+
+// Chops one part into the slabs that it reaches: each holds the corners within, and where the edges
+// meet its two planes.
 static void bin_part(struct bins *bins, const struct grid *grid, const struct part_set *parts,
                      uint32_t index, int axis)
 {
-    const struct box *box = &parts->boxes[index];
-    const int first = slab_of(grid, box->lo[axis]);
-    const int last = slab_of(grid, box->hi[axis]);
+    const struct box *part = &parts->boxes[index];
+    const int first = slab_of(grid, part->lo[axis]);
+    const int last = slab_of(grid, part->hi[axis]);
     bins->begin[first]++;
     bins->end[last]++;
     if (first == last) {
-        box_unite(&bins->boxes[first], box);
+        box_unite(&bins->boxes[first], part);
         return;
     }
-    double corners[3][3];
-    struct box rest = *box;
-    load_corners(corners, parts, parts->order[index]);
-    for (int slab = first; slab < last; slab++) {
-        struct box left, right;
-        cut(&left, &right, &rest, corners, axis, slab_plane(grid, slab + 1));
-        if (!box_is_empty(&left))
-            box_unite(&bins->boxes[slab], &left);
-        rest = right;
-        if (box_is_empty(&rest))
-            return;
+    struct box slabs[BIN_COUNT];
+    float corners[3][4];
+    const struct reach reach = {slabs, part, axis, first, last};
+    for (int slab = first; slab <= last; slab++)
+        slabs[slab] = box_empty;
+    load_corner_rows(corners, parts, parts->order[index]);
+    for (int i = 0; i < 3; i++)
+        bin_edge(&reach, grid, corners[i], corners[i < 2 ? i + 1 : 0]);
+    for (int slab = first; slab <= last; slab++) {
+        box_intersect(&slabs[slab], part);
+        if (!box_is_empty(&slabs[slab]))
+            box_unite(&bins->boxes[slab], &slabs[slab]);
     }
-    box_unite(&bins->boxes[last], &rest);
+}
+
+// Finds the cheapest plane of one axis.
+static void cut_axis(struct spatial_split *out, const struct part_set *parts, uint32_t first,
+                     uint32_t count, int axis, const struct box *bounds)
+{
+    struct bins bins;
+    struct sweep sweep;
+    struct grid grid = {.lo = bounds->lo[axis]};
+    const float extent = bounds->hi[axis] - bounds->lo[axis];
+    *out = (struct spatial_split){.cost = DBL_MAX};
+    grid.width = extent / BIN_COUNT;
+    if (!(grid.width > FLT_MIN * 32.0f && grid.lo + grid.width > grid.lo))
+        return; // floats cannot tell the slabs apart
+    grid.scale = BIN_COUNT / extent;
+    clear_bins(&bins);
+    for (uint32_t i = first; i < first + count; i++)
+        bin_part(&bins, &grid, parts, i, axis);
+    sweep_bins(&sweep, &bins);
+    *out = (struct spatial_split){axis,
+                                  slab_plane(&grid, sweep.plane),
+                                  sweep.cost,
+                                  sweep.left,
+                                  sweep.right,
+                                  sweep.left_count,
+                                  sweep.right_count};
 }
 
 void split_find_spatial(struct spatial_split *out, const struct part_set *parts, uint32_t first,
                         uint32_t count, const struct box *bounds)
 {
-    struct bins bins;
-    *out = (struct spatial_split){.cost = DBL_MAX};
-    for (int axis = 0; axis < 3; axis++) {
-        struct sweep sweep;
-        struct grid grid = {.lo = bounds->lo[axis]};
-        const float extent = bounds->hi[axis] - bounds->lo[axis];
-        grid.width = extent / BIN_COUNT;
-        if (!(grid.width > FLT_MIN * 32.0f && grid.lo + grid.width > grid.lo))
-            continue; // floats cannot tell the slabs apart
-        grid.scale = BIN_COUNT / extent;
-        clear_bins(&bins);
-        for (uint32_t i = first; i < first + count; i++)
-            bin_part(&bins, &grid, parts, i, axis);
-        sweep_bins(&sweep, &bins);
-        if (sweep.cost < out->cost)
-            *out = (struct spatial_split){axis,
-                                          slab_plane(&grid, sweep.plane),
-                                          sweep.cost,
-                                          sweep.left,
-                                          sweep.right,
-                                          sweep.left_count,
-                                          sweep.right_count};
+    struct spatial_split found[3];
+    if (count < SHARE_REFS) {
+        for (int axis = 0; axis < 3; axis++)
+            cut_axis(&found[axis], parts, first, count, axis, bounds);
+    } else {
+#pragma omp taskgroup
+        for (int axis = 0; axis < 3; axis++) {
+#pragma omp task shared(found)
+            cut_axis(&found[axis], parts, first, count, axis, bounds);
+        }
     }
+    *out = (struct spatial_split){.cost = DBL_MAX};
+    for (int axis = 0; axis < 3; axis++)
+        if (found[axis].cost < out->cost)
+            *out = found[axis];
 }
 
 // Half the surface of a box that holds another one, too.

@@ -27,7 +27,7 @@ struct part_set {
 /** The cheapest way found to deal out whole references by their centers. */
 struct object_split {
     int axis;       // -1: no plane parts the centers
-    int plane;      // references with a bin below go left
+    int plane;      // references with a bin below go left; 0: those with their center below lo
     float lo;       // of the centers on the axis
     float scale;    // bins a metre
     double cost;    // references times half surface, m2; DBL_MAX with axis -1
