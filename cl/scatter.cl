@@ -15,8 +15,6 @@
 #define WG_SCATTER (SHADE_LANES ? 1 : 64) // work items in a group
 #endif
 
-#define ROULETTE_DEPTH 2u // bounces before Russian roulette may end a path (thesis section 3.5)
-
 // The bits of a path that goes on.
 static inline uint scatter_flags(__constant struct settings *settings, const uint bounce)
 {
@@ -42,9 +40,9 @@ static inline void scatter_slot(__constant struct settings *settings, const stru
             &b, (float3)(rng_unit(numbers.x), rng_unit(numbers.y), rng_unit(numbers.z)));
         const float3 throughput = paths[slot].throughput_bits.xyz * sampled.weight;
 
-        // Russian roulette by what is left of the path's weight.
+        // Russian roulette by what is left of the path's weight (thesis section 3.5).
         float survival = 1.0f;
-        if (bounce >= ROULETTE_DEPTH) {
+        if (bounce >= settings->roulette_depth) {
             survival = max3(throughput);
             if (settings->quantity == QUANTITY_IRRADIANCE)
                 survival *= INV_PI;
@@ -81,9 +79,9 @@ static inline void scatter_lanes(__constant struct settings *settings, const str
     struct lanes3 throughput = lanes3_mul(b.throughput, b.diffuse);
     const float8 most = lanes3_max(throughput);
 
-    // Russian roulette by what is left of the path's weight.
+    // Russian roulette as there.
     float8 survival = (float8)(1.0f);
-    if (bounce >= ROULETTE_DEPTH) {
+    if (bounce >= settings->roulette_depth) {
         survival = settings->quantity == QUANTITY_IRRADIANCE ? most * INV_PI : most;
         survival = min8(survival, (float8)(1.0f));
         throughput = lanes3_scale(throughput, 1.0f / survival);

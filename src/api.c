@@ -84,6 +84,7 @@ void lk_settings_init(struct lk_settings *settings)
     *settings = (struct lk_settings){
         .spp = 64,
         .depth = 5,
+        .roulette_depth = 2,
         .shadow_rays = 1,
         .env_strength = 1.0f,
         .sky_turbidity = 3.0f,

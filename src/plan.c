@@ -18,6 +18,7 @@ struct settings plan_kernel_settings(const struct lk_settings *s)
         .seed = s->seed,
         .depth = s->quantity == LK_DIRECT ? 1 : s->depth,
         .shadow_rays = s->shadow_rays,
+        .roulette_depth = s->roulette_depth,
         .quantity = s->quantity == LK_IRRADIANCE ? QUANTITY_IRRADIANCE : QUANTITY_RADIANCE,
         .point_shift = s->sampler == LK_SAMPLER_SOBOL ? POINT_SHIFT : 0,
     };

@@ -48,6 +48,9 @@ enum status settings_check(const struct lk_settings *s)
         return status_fail(STATUS_USAGE, "a time of %g s is none", s->time_s);
     if (s->depth < 1 || s->depth > 255)
         return status_fail(STATUS_USAGE, "a depth of %u is not within 1 .. 255", s->depth);
+    if (s->roulette_depth > 255)
+        return status_fail(STATUS_USAGE, "a roulette depth of %u is not within 0 .. 255",
+                           s->roulette_depth);
     if (s->shadow_rays < 1 || s->shadow_rays > 64)
         return status_fail(STATUS_USAGE, "%u shadow rays are not within 1 .. 64", s->shadow_rays);
     if (s->leaf_size < 2 || s->leaf_size > 32)

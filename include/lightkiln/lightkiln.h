@@ -233,10 +233,13 @@ struct lk_settings {
                             // they are off, relative to that of their values, or to a tenth of the
                             // picture's mean where this is more. 0: no such limit
     uint32_t depth;         // shaded hits of a path, 1 .. 255; default 5
-    uint32_t shadow_rays;   // times that a hit draws lights, 1 .. 64; default 1. Tree and uniform
-                            // draw one light each time and send one shadow ray, importance up to
-                            // 8, none of them twice, and fewer where few lights send nearly
-                            // all; all takes no notice
+    uint32_t roulette_depth; // first hits that every path goes on from; at later ones Russian
+                             // roulette may end it (thesis section 3.5), which changes noise and
+                             // time but no mean. 0 .. 255; default 2; the depth: never
+    uint32_t shadow_rays;    // times that a hit draws lights, 1 .. 64; default 1. Tree and uniform
+                             // draw one light each time and send one shadow ray, importance up to
+                             // 8, none of them twice, and fewer where few lights send nearly
+                             // all; all takes no notice
     enum lk_light_sampler light_sampler;
     enum lk_sampler sampler; // how samples of a pixel are spread
     enum lk_quantity quantity;

@@ -26,7 +26,8 @@ struct settings {
     uint emitter_count; // lights that a ray can meet: triangles, and the environment
     uint point_shift;   // log2 of the points of a block (lib/samples.h)
     uint triangle_count;
-    uint pad0, pad1;
+    uint roulette_depth; // hits before Russian roulette may end a path
+    uint pad0;
 };
 SHARED_SIZE(settings, 48);
 

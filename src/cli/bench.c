@@ -35,6 +35,7 @@ static enum status refuse(const char *experiment, const struct options *options)
         {"height", "lights trace path", given->height != none->height},
         {"camera", "lights trace path", given->camera != none->camera},
         {"depth", "lights path", given->depth != none->depth},
+        {"roulette-depth", "lights path", given->roulette_depth != none->roulette_depth},
         {"shadow-rays", "lights path", given->shadow_rays != none->shadow_rays},
         {"light-sampler", "path", given->light_sampler != none->light_sampler},
         {"time", "lights path report memory scale", given->time_s != none->time_s},

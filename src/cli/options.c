@@ -52,6 +52,7 @@ const struct option option_table[] = {
 
     HEADING(SIZED, "Light"),
     {"depth", 0, BOTH, "D", "shaded hits of a path; 1 is direct light alone", NULL, UINT(settings.depth, 1, 255)},
+    {"roulette-depth", 0, BOTH, "D", "first hits that every path goes on from; 255 all", NULL, UINT(settings.roulette_depth, 0, 255)},
     {"shadow-rays", 0, BOTH, "N", "draws of lights per hit; importance: up to 8 each", NULL, UINT(settings.shadow_rays, 1, 64)},
     {"light-sampler", 0, SIZED, NULL, "which lights a hit looks at", NULL, CHOICE(settings.light_sampler, choices_light_sampler)},
     {"brdf", 0, BOTH, NULL, "metallic-roughness, or diffuse + Phong lobe", NULL, CHOICE(settings.brdf, choices_brdf)},

@@ -49,6 +49,7 @@ static void write_picture_settings(struct json *json, const struct lk_settings *
     json_uint(json, "spp", settings->spp);
     json_float(json, "noise", settings->noise);
     json_uint(json, "depth", settings->depth);
+    json_uint(json, "roulette_depth", settings->roulette_depth);
     json_uint(json, "shadow_rays", settings->shadow_rays);
     json_string(json, "light_sampler", choices_light_sampler[settings->light_sampler]);
     json_string(json, "sampler", choices_sampler[settings->sampler]);

@@ -92,7 +92,7 @@
     M(settings, seed) M(settings, depth) M(settings, shadow_rays) M(settings, quantity)            \
     M(settings, light_count) M(settings, directional_count) M(settings, material_count)            \
     M(settings, emitter_count)                                                                     \
-    M(settings, point_shift) M(settings, triangle_count) M(settings, pad0) M(settings, pad1)
+    M(settings, point_shift) M(settings, triangle_count) M(settings, roulette_depth) M(settings, pad0)
 // clang-format on
 
 #endif

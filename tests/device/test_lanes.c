@@ -62,8 +62,11 @@ static void make_cases(struct cases *c)
 
 static void run(struct gpu *gpu, struct cases *c, const struct batch *batch)
 {
-    const struct settings settings = {
-        .seed = 5, .depth = DEPTH, .shadow_rays = 1, .point_shift = POINT_SHIFT};
+    const struct settings settings = {.seed = 5,
+                                      .depth = DEPTH,
+                                      .shadow_rays = 1,
+                                      .roulette_depth = 2,
+                                      .point_shift = POINT_SHIFT};
     const uint32_t count = COUNT;
     uint4 *points = NULL;
     assert_ok(samples_build(&points, settings.seed, DEPTH, POINT_SHIFT));

@@ -94,6 +94,32 @@ static void furnace_irradiance_is_pi_times_what_arrives(void **state)
     lk_scene_free(scene);
 }
 
+// Whether Russian roulette ends paths early, late or never, the mean stays; and where it never
+// does, every path of a room without openings has a ray to each of its hits.
+static void roulette_changes_no_mean(void **state)
+{
+    (void)state;
+    skip_without_device();
+    const uint32_t roulettes[] = {0, 1, 3, 255};
+    const uint32_t depth = 5;
+    struct lk_scene *scene = make_furnace(0.5);
+    for (size_t i = 0; i < 4; i++) {
+        struct lk_settings settings = test_settings(32, 32, 128);
+        settings.depth = depth;
+        settings.roulette_depth = roulettes[i];
+        assert_agrees("roulette", estimate_point(scene, &settings), furnace_radiance(0.5, depth),
+                      ROUNDING);
+        struct lk_image *image = render(scene, &settings);
+        const struct lk_render_info *info = lk_image_info(image);
+        if (roulettes[i] >= depth)
+            assert_true(info->rays_indirect == info->rays_camera * (depth - 1));
+        else
+            assert_true(info->rays_indirect < info->rays_camera * (depth - 1));
+        lk_image_free(image);
+    }
+    lk_scene_free(scene);
+}
+
 // ---- Mirrors
 
 // A mirror below a lamp, seen from straight above, so that it shows the lamp.
@@ -272,6 +298,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(furnace_sums_the_series_of_its_depth),
         cmocka_unit_test(furnace_holds_for_every_light_sampler),
+        cmocka_unit_test(roulette_changes_no_mean),
         cmocka_unit_test(furnace_irradiance_is_pi_times_what_arrives),
         cmocka_unit_test(mirror_shows_the_lamp_times_its_colour),
         cmocka_unit_test(mirror_over_a_diffuse_base_adds_both),

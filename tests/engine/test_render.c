@@ -192,8 +192,8 @@ static void settings_out_of_range_are_refused(void **state)
 {
     (void)state;
     const struct lk_settings good = test_settings(16, 16, 1);
-    struct lk_settings bad[14];
-    for (int i = 0; i < 14; i++)
+    struct lk_settings bad[15];
+    for (int i = 0; i < 15; i++)
         bad[i] = good;
     bad[0].depth = 0;
     bad[1].depth = 256;
@@ -209,7 +209,8 @@ static void settings_out_of_range_are_refused(void **state)
     bad[11].time_s = NAN;
     bad[12].width = 16385;
     bad[13].height = 16385;
-    for (int i = 0; i < 14; i++) {
+    bad[14].roulette_depth = 256;
+    for (int i = 0; i < 15; i++) {
         assert_refused(&bad[i], LK_USAGE, "");
         assert_true(strlen(lk_error()) > 0);
     }

@@ -95,6 +95,7 @@ static void report_has_every_promised_name(void **state)
                                         "height",
                                         "time",
                                         "depth",
+                                        "roulette_depth",
                                         "shadow_rays",
                                         "light_sampler",
                                         "sampler",
