@@ -33,7 +33,8 @@ struct reference {
 
 /** The image's mean is within 1 % of the reference's, and no 16 x 16 block's mean is off by more
  * than four of its standard errors and 1 %. So for every variant of traversal that the device has:
- * it renders one of the seeds, whose blocks may be off by as much from those of the same seed. */
+ * it renders one of the seeds, or two, whose blocks may be off by as much from those of the same
+ * seed. */
 void image_agrees_with_its_reference(void **state);
 
 /** The variance of random samples against the reference falls as 1 / N from 16 to 256 samples per

@@ -333,7 +333,8 @@ static void write_plan(struct json *json, const struct bench_plan *plan)
     json_object_end(json);
 }
 
-static enum status write_results(const struct bench_results *results)
+// Writes all files, and says on stdout what they hold if that is the end of it.
+static enum status write_results(const struct bench_results *results, bool is_end)
 {
     struct bench_table tables[TABLES] = {0};
     struct json json = {0};
@@ -350,9 +351,9 @@ static enum status write_results(const struct bench_results *results)
         status = bench_json_write(&json, results->plan.folder, "bench.json");
     if (status == STATUS_OK)
         status = write_report(tables, results);
-    if (status == STATUS_OK && results->plan.options->json)
+    if (status == STATUS_OK && is_end && results->plan.options->json)
         fputs(json.text, stdout);
-    else if (status == STATUS_OK)
+    else if (status == STATUS_OK && is_end)
         for (int i = 0; i < TABLES; i++)
             bench_table_print(stdout, &tables[i]);
     for (int i = 0; i < TABLES; i++)
@@ -383,10 +384,13 @@ enum status bench_report(const struct options *options)
         if (status != STATUS_OK)
             break;
         status = bench_scene_measure(&results->scenes[i], file, &results->plan);
+        if (status != STATUS_OK)
+            break;
         results->scene_count = i + 1;
+        status = write_results(results, false); // so that what ends it early takes one scene only
     }
     if (status == STATUS_OK)
-        status = write_results(results);
+        status = write_results(results, true);
     free(results);
     return status;
 }
