@@ -120,7 +120,7 @@ struct lk_settings;
 /**
  * Tells what a render of this scene would hold, without rendering or touching any device. Does the
  * preparation if it has not been done for these settings. The ray queue is taken as large as the
- * image or 2^21 paths, whichever is less, and the BVH as binary unless the settings say wide.
+ * image or 2^21 paths, whichever is less, and the BVH as binary unless the settings name a layout.
  */
 LK_API enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
                                     const struct lk_settings *settings);
@@ -484,7 +484,7 @@ struct lk_visits {
  * @param rays      [count]
  * @param step      Every step-th of them is looked at: 1 at least.
  * @param any_hit   They end at the first hit found.
- * @retval LK_NO_MEMORY, LK_FORMAT, LK_LIMIT
+ * @retval LK_USAGE (a step of 0), LK_NO_MEMORY, LK_FORMAT, LK_LIMIT
  */
 LK_API enum lk_status lk_scene_visits(struct lk_visits *out, struct lk_scene *scene,
                                       const struct lk_settings *settings, const struct lk_ray *rays,

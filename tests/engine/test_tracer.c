@@ -149,6 +149,9 @@ static void visits_are_those_of_the_floor(void **state)
         assert_true(missing.nodes == 1.0 && missing.triangles == 0.0);
         assert_true(none.nodes == 0.0 && none.triangles == 0.0);
     }
+    struct lk_visits visits;
+    assert_int_equal(lk_scene_visits(&visits, scene, &settings, rays, 4, 0, false), LK_USAGE);
+    assert_non_null(strstr(lk_error(), "step"));
     lk_scene_free(scene);
 }
 
