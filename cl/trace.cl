@@ -81,11 +81,12 @@ static inline void trace_slot(BVH_NODES nodes, const struct traced *scene,
     const struct ray ray = trace_load(rays, slot);
     struct passage passage;
     passage_init(&passage);
-    struct hit hit = traverse_through(nodes, scene, ray.org.xyz, ray.dir.xyz, ray.org.w, ray.dir.w,
-                                      TRACE_ANY, &passage, PASSAGE_CHANCE);
-    if (TRACE_ANY) // which one was not asked, and is a read less
-        hit.triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
-    hits[slot] = hit;
+    const struct hit hit = traverse_through(nodes, scene, ray.org.xyz, ray.dir.xyz, ray.org.w,
+                                            ray.dir.w, TRACE_ANY, &passage, PASSAGE_CHANCE);
+    if (TRACE_ANY) // which one and where was not asked
+        hits[slot].triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
+    else
+        hits[slot] = hit;
 #if TRACE_TINTS
     if (passage.tinted)
         trace_tint(nodes, scene, ray, hit.t, &paths[slot]);
@@ -166,7 +167,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_packets(
     int octant[RAY_PACKET];
     uint tinted = 0; // rays that have gone through something coloured
     vstore16(octants, 0, octant);
-    for (uint rest = 0xffffu; rest != 0; rest &= ~packet_bits(packet.active)) {
+    for (uint rest = 0xffffu; rest != 0; rest &= ~lanes_bits16(packet.active)) {
         const uint k = lanes_lowest(rest);
         packet.active = octants == octant[k];
         traverse_packet(&tinted, &packet, nodes, &scene,

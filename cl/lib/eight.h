@@ -1,6 +1,6 @@
 /**
  * @file
- * What CPUs do with eight numbers at once, and OpenCL C has no word for.
+ * What CPUs do with eight or sixteen numbers at once, and OpenCL C has no word for.
  */
 #ifndef LIB_EIGHT_H
 #define LIB_EIGHT_H
@@ -22,6 +22,16 @@ static inline float8 max8(const float8 a, const float8 b)
     return a > b ? a : b;
 }
 
+static inline float16 min16(const float16 a, const float16 b)
+{
+    return a < b ? a : b;
+}
+
+static inline float16 max16(const float16 a, const float16 b)
+{
+    return a > b ? a : b;
+}
+
 // Bit k is set where lane k is true.
 static inline uint lanes_bits(const int8 lanes)
 {
@@ -32,6 +42,16 @@ static inline uint lanes_bits(const int8 lanes)
     const int4 four = bits.lo | bits.hi;
     const int2 two = four.lo | four.hi;
     return (uint)(two.x | two.y);
+#endif
+}
+
+// Bit k is set where lane k is true.
+static inline uint lanes_bits16(const int16 lanes)
+{
+#if !WIDE_PORTABLE && defined(__AVX512DQ__)
+    return (uint)(ushort)__builtin_ia32_cvtd2mask512(lanes);
+#else
+    return lanes_bits(lanes.lo) | lanes_bits(lanes.hi) << 8;
 #endif
 }
 

@@ -11,11 +11,18 @@
 #include "shared/bvh_wide.h"
 #include "shared/ray.h"
 
+// Where a work item traces many rays one after the other, those for any hit are tried against what
+// has stopped the last ones (lib/occluders.h).
+#define TRACED_KEEPS (DEVICE_CPU && BVH_WIDE && PERSISTENT)
+
 // A scene but for the BVH's nodes.
 struct traced {
     __global const float4 *woop; // rows of the leaves' struct woop, or struct woop_block
     __global const uint *refs;   // numbers of the triangles, BVH_REF_...
     struct surface surface;      // asked where a reference is BVH_REF_ALPHA
+#if TRACED_KEEPS
+    struct occluders *kept; // where any hit is looked for first
+#endif
 };
 
 // A component that can be divided by.

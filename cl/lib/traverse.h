@@ -8,7 +8,8 @@
  *     struct hit traverse_through(nodes, scene, org, dir, tmin, tmax, any_hit, passage, mode)
  *
  *   tmin     0 at least
- *   any_hit  constant: true: some hit, as soon as there is one; false: the nearest
+ *   any_hit  constant: true: some hit, as soon as there is one, of which with TRACED_KEEPS nothing
+ *            is told but that its triangle is not HIT_NONE; false: the nearest
  *   passage  what the mode, a constant PASSAGE_..., asks of surfaces that let light by; they are
  *            asked only where a reference is BVH_REF_ALPHA
  */
@@ -34,8 +35,17 @@
         __global const uint *texels
 
 // Makes these parameters, nodes apart, one thing: nodes may be an image, which no struct holds.
+// With TRACED_KEEPS, what has stopped rays lives as long as it does.
+#if TRACED_KEEPS
+#define TRACED_SCENE(name)                                                                         \
+    struct occluders name##_kept;                                                                  \
+    occluders_begin(&name##_kept);                                                                 \
+    const struct traced name = {                                                                   \
+        woop, refs, {vertices, colors, triangles, materials, texels}, &name##_kept}
+#else
 #define TRACED_SCENE(name)                                                                         \
     const struct traced name = {woop, refs, {vertices, colors, triangles, materials, texels}}
+#endif
 
 // As traverse_through(), by chance.
 static inline struct hit traverse(BVH_NODES nodes, const struct traced *scene, const float3 org,

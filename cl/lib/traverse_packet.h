@@ -78,12 +78,6 @@ static inline struct packet_bounds packet_bound(const struct packet *p, const fl
     return out;
 }
 
-// Bit k is set where lane k is true.
-static inline uint packet_bits(const int16 lanes)
-{
-    return lanes_bits(lanes.lo) | lanes_bits(lanes.hi) << 8;
-}
-
 #if ALPHA
 
 // Asks a triangle that lets some rays by. Returns the rays that it stops, of those of `bits`.
@@ -139,7 +133,7 @@ static inline void packet_leaf(struct packet *p, const struct traced *scene, con
             MULADD((float16)row[0], p->dir_x, MULADD((float16)row[4], p->dir_y, row[8] * p->dir_z));
         const float16 t = -org_w / dir_w;
         const int16 near = p->active & (t > p->tmin) & (t <= p->t);
-        if (packet_bits(near) == 0)
+        if (lanes_bits16(near) == 0)
             continue;
 
         // And whether that is within the triangle.
@@ -155,7 +149,7 @@ static inline void packet_leaf(struct packet *p, const struct traced *scene, con
         int16 hit =
             near & (u >= 0.0f) & (v >= 0.0f) & (u + v <= 1.0f) & ((t < p->t) | (p->ref > ref));
 #if ALPHA
-        const uint bits = packet_bits(hit);
+        const uint bits = lanes_bits16(hit);
         if (bits != 0 && (scene->refs[ref] & BVH_REF_ALPHA)) {
             const uint stopped =
                 packet_ask(tinted, p, scene, scene->refs[ref] & BVH_REF_TRIANGLE, bits, u, v);

@@ -11,13 +11,16 @@
 #define LIB_TRAVERSE_WIDE_H
 
 #include "lib/eight.h"
+#include "lib/occluders.h"
 #include "lib/prefetch.h"
 #include "lib/traced.h"
 
 #define BVH_NODES __global const float8 *restrict
 
-#define WIDE_ROWS       8  // float8 rows of a node
-#define WIDE_BLOCK_ROWS 12 // float4 rows of a block
+#define WIDE_ROWS       8   // float8 rows of a node
+#define WIDE_BLOCK_ROWS 12  // float4 rows of a block
+#define WIDE_WORDS      64u // words of 32 bits of a node
+#define WIDE_CHILD_WORD 48u // the first of its children's
 
 // Bit k is set where a[k] <= b[k].
 static inline uint wide_compare(const float8 a, const float8 b)
@@ -109,7 +112,7 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
         vstore4(v, 0, vs);
         for (; bits != 0; bits &= bits - 1) {
             const uint lane = lanes_lowest(bits);
-            if (!(ts[lane] < hit->t))
+            if (!any_hit && !(ts[lane] < hit->t))
                 continue;
 #if ALPHA
             const uint ref = scene->refs[WIDE_BLOCK * i + lane];
@@ -131,7 +134,7 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
 
 // A child that is kept for later.
 struct wide_entry {
-    int word;
+    int word;    // if any hit is looked for, the place of its word
     float enter; // where the ray enters it; not set if any hit is looked for
 };
 
@@ -177,6 +180,25 @@ static inline int wide_descend(struct wide_entry *stack, uint *top, BVH_NODES no
     return node;
 }
 
+#if TRACED_KEEPS
+
+// Keeps a reference that has stopped a ray, unless it lets some rays by.
+//
+//   place  of the word of its leaf
+static inline void wide_keep(BVH_NODES nodes, const struct traced *scene, const uint place,
+                             const uint ref)
+{
+#if ALPHA
+    if (scene->refs[ref] & BVH_REF_ALPHA)
+        return;
+#endif
+    __global const float4 *block = scene->woop + (size_t)(ref / WIDE_BLOCK) * WIDE_BLOCK_ROWS;
+    occluders_keep(scene->kept, (__global const float *)nodes + (place - WIDE_CHILD_WORD),
+                   (__global const float *)block + ref % WIDE_BLOCK);
+}
+
+#endif
+
 // Finds what the ray hits between tmin and tmax (lib/traverse.h).
 static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
                                           const float3 org, const float3 dir, const float tmin,
@@ -193,9 +215,17 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
                                               // siblings
     uint top = 0;                             // their number
     int node = 0;                             // current child word
+    uint place = 0;                           // for any hit, where that stands
+    __global const int *words = (__global const int *)nodes;
 
     const float3 inverse = traverse_inverse(dir);
     const float3 shift = -org * inverse;
+#if TRACED_KEEPS
+    if (any_hit && occluders_stop(scene->kept, org, dir, inverse, shift, tmin, tmax)) {
+        hit.triangle = 0;
+        return hit;
+    }
+#endif
     const uint near_x = inverse.x < 0.0f ? 1 : 0; // rows that the ray meets first
     const uint near_y = inverse.y < 0.0f ? 3 : 2;
     const uint near_z = inverse.z < 0.0f ? 5 : 4;
@@ -228,21 +258,27 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
 
             // For any hit, take the first, and keep the others in order.
             if (any_hit) {
-                __global const int *children = wide_children(nodes, node);
+                const uint first = (uint)node * WIDE_WORDS + WIDE_CHILD_WORD;
                 for (; (bits & (bits - 1)) != 0; bits ^= 1u << wide_highest(bits)) {
-                    const int word = children[wide_highest(bits)];
-                    wide_prefetch(nodes, scene->woop, word);
-                    stack[top++].word = word;
+                    place = first + wide_highest(bits);
+                    wide_prefetch(nodes, scene->woop, words[place]);
+                    stack[top++].word = (int)place;
                 }
-                node = children[lanes_lowest(bits)];
+                place = first + lanes_lowest(bits);
+                node = words[place];
                 continue;
             }
 
             node = wide_descend(stack, &top, nodes, scene->woop, node, bits, enter);
         }
 
-        if (wide_leaf(&hit, scene, node, org, dir, tmin, any_hit, passage, mode))
+        if (wide_leaf(&hit, scene, node, org, dir, tmin, any_hit, passage, mode)) {
+#if TRACED_KEEPS
+            if (any_hit)
+                wide_keep(nodes, scene, place, hit.triangle);
+#endif
             return traced_name(hit, scene);
+        }
     next:
         // Go on with what is kept, but for what lies beyond the hit.
         do {
@@ -251,6 +287,10 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
             top--;
         } while (!any_hit && stack[top].enter >= hit.t);
         node = stack[top].word;
+        if (any_hit) {
+            place = (uint)node;
+            node = words[place];
+        }
     }
 }
 
