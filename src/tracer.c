@@ -94,7 +94,8 @@ enum lk_status lk_scene_visits(struct lk_visits *out, struct lk_scene *scene,
                                uint32_t count, uint32_t step, bool any_hit)
 {
     if (step == 0)
-        return (enum lk_status)status_fail(STATUS_USAGE, "every 0th ray is none: step is 1 at least");
+        return (enum lk_status)status_fail(STATUS_USAGE,
+                                           "every 0th ray is none: step is 1 at least");
     struct lk_settings plain = *settings;
     plain.light_sampler = LK_LIGHTS_UNIFORM; // needs no preparation
     const enum status status = prepare_scene(scene, &plain, 1u << LK_BVH_BINARY);
