@@ -103,9 +103,9 @@ static inline float8 light_bvh_weigh(int8 *near_out, __global const struct light
 //            something better below
 //   words    [.. LIGHT_CUT_MOST] child words
 // Returns how many there are now.
-static inline uint light_cut_add(float *weights, uint *words, uint count,
-                                 __global const struct light_bvh_node *node, const float3 p,
-                                 const float3 normal)
+static ONCE uint light_cut_add(float *weights, uint *words, uint count,
+                               __global const struct light_bvh_node *node, const float3 p,
+                               const float3 normal)
 {
     int8 near;
     float node_weights[8];
@@ -147,8 +147,10 @@ static inline uint light_cut(float *sum, float *weights, uint *words,
                              __global const struct light_bvh_node *nodes, const float3 p,
                              const float3 normal)
 {
-    uint count = light_cut_add(weights, words, 0, &nodes[0], p, normal);
-    for (int split = 0; split < LIGHT_CUT_SPLITS; split++) {
+    uint node = 0; // to be added: the root, then what is replaced
+    uint count = 0;
+    for (int split = 0;; split++) {
+        count = light_cut_add(weights, words, count, &nodes[node], p, normal);
         uint heaviest = 0;
         float least = 0.0f;
         for (uint i = 0; i < count; i++) {
@@ -157,13 +159,12 @@ static inline uint light_cut(float *sum, float *weights, uint *words,
                 heaviest = i;
             }
         }
-        if (!(least < 0.0f))
+        if (!(least < 0.0f) || split == LIGHT_CUT_SPLITS)
             break;
-        const uint node = words[heaviest];
+        node = words[heaviest];
         count--;
         weights[heaviest] = weights[count];
         words[heaviest] = words[count];
-        count = light_cut_add(weights, words, count, &nodes[node], p, normal);
     }
     *sum = light_cut_sum(weights, count);
     return count;

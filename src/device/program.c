@@ -53,6 +53,8 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "SHEEN_LOBE", chosen->sheen);
     add_define(options, text, "BRDF_PHONG", chosen->brdf_phong);
     add_define(options, text, "ENV_MAP", chosen->environment);
+    add_define(options, text, "EMITTERS", !chosen->no_emitters);
+    add_define(options, text, "UNTEXTURED", (int)chosen->untextured);
     if (chosen->light_sampler != 0)
         add_define(options, text, "LIGHT_SAMPLER", chosen->light_sampler);
     const size_t used = strlen(options);
