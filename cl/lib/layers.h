@@ -163,7 +163,9 @@ static inline float3 layer_choose(struct bsdf *b, __global const struct material
     return weight * layer_choose_side(b, material, values, color.xyz, u);
 }
 
-// Fetches what only layers need.
+#if !TEXTURE_IMAGES
+
+// Fetches what only layers need, from the pool.
 static inline void layer_fetch(struct texture_values *values, __global const uint *restrict texels,
                                __global const struct material *material, const float4 uv)
 {
@@ -182,6 +184,8 @@ static inline void layer_fetch(struct texture_values *values, __global const uin
     values->sheen_roughness = texture_fetch_use(texels, material, TEXTURE_SHEEN_ROUGHNESS, uv);
 #endif
 }
+
+#endif
 
 #endif
 #endif
