@@ -7,8 +7,9 @@
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
 // section 3.3), else all hits of the queue at once, with texels from the pool; NORMAL_MAPS; LAYERS
-// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER; EMITTERS; UNTEXTURED. With
-// SHADE_LANES and the pool most hits are shaded by eights (lib/material_lanes.h).
+// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER; EMITTERS; UNTEXTURED;
+// LIGHT_BVH_FLAT. With SHADE_LANES and the pool most hits are shaded by eights
+// (lib/material_lanes.h).
 
 #if TEXTURES_BOUND
 #define TEXTURE_IMAGES 1

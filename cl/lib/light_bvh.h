@@ -28,6 +28,10 @@
 #include "shared/light.h"
 #include "shared/rng.h"
 
+#ifndef LIGHT_BVH_FLAT
+#define LIGHT_BVH_FLAT 0 // all lights are below the root: there is no other node
+#endif
+
 #define LIGHT_CUT_SPLITS 8 // clusters that are replaced at most: 10,000 lights want so many
 #define LIGHT_CUT_MOST   (LIGHT_BVH_WIDTH + (LIGHT_BVH_WIDTH - 1) * LIGHT_CUT_SPLITS)
 #define LIGHT_CUT_NEAR   4.0f // squared distance, in squared radii, of clusters worth replacing
@@ -103,9 +107,9 @@ static inline float8 light_bvh_weigh(int8 *near_out, __global const struct light
 //            something better below
 //   words    [.. LIGHT_CUT_MOST] child words
 // Returns how many there are now.
-static ONCE uint light_cut_add(float *weights, uint *words, uint count,
-                               __global const struct light_bvh_node *node, const float3 p,
-                               const float3 normal)
+static inline uint light_cut_add(float *weights, uint *words, uint count,
+                                 __global const struct light_bvh_node *node, const float3 p,
+                                 const float3 normal)
 {
     int8 near;
     float node_weights[8];
@@ -159,7 +163,7 @@ static inline uint light_cut(float *sum, float *weights, uint *words,
                 heaviest = i;
             }
         }
-        if (!(least < 0.0f) || split == LIGHT_CUT_SPLITS)
+        if (LIGHT_BVH_FLAT || !(least < 0.0f) || split == LIGHT_CUT_SPLITS)
             break;
         node = words[heaviest];
         count--;
@@ -254,7 +258,7 @@ static inline uint light_walk_next(float *expected, struct light_walk *walk,
         const uint last = --walk->count;
         const uint word = walk->words[last];
         const float length = walk->lengths[last];
-        if (word & LIGHT_BVH_LEAF) {
+        if (LIGHT_BVH_FLAT || (word & LIGHT_BVH_LEAF)) {
             *expected = min2(length, 1.0f);
             return word & ~LIGHT_BVH_LEAF;
         }
@@ -282,6 +286,8 @@ static inline float light_bvh_share(__global const struct light_bvh_node *nodes,
         for (uint i = 0; i < cut_count; i++)
             if (cut_words[i] == word)
                 return share * cut_weights[i] / cut_sum;
+        if (LIGHT_BVH_FLAT)
+            break;
         word = place >> 3;
         float weights[8];
         uint words[8];

@@ -10,14 +10,6 @@
 #define PI     3.14159265358979f
 #define INV_PI 0.318309886183791f
 
-// For large functions that a kernel calls in several places. GPU compilers inline all there is
-// unless told otherwise, and NVIDIA's takes the time of so many copies.
-#if DEVICE_CPU
-#define ONCE inline
-#else
-#define ONCE __attribute__((noinline))
-#endif
-
 // The multiply-add that is fast here; both round less than two operations. PoCL's mad() is two, and
 // its fma() one where the CPU has it, though it does not say so.
 #if defined(FP_FAST_FMAF) || defined(__FMA__)

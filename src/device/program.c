@@ -54,6 +54,7 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "BRDF_PHONG", chosen->brdf_phong);
     add_define(options, text, "ENV_MAP", chosen->environment);
     add_define(options, text, "EMITTERS", !chosen->no_emitters);
+    add_define(options, text, "LIGHT_BVH_FLAT", chosen->few_lights);
     add_define(options, text, "UNTEXTURED", (int)chosen->untextured);
     if (chosen->light_sampler != 0)
         add_define(options, text, "LIGHT_SAMPLER", chosen->light_sampler);

@@ -235,6 +235,7 @@ static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
     if (status == STATUS_OK)
         status = upload_far_lights(out, gpu, emitters, source->environment);
     out->light_count = emitters->light_count;
+    out->few_lights = bvh->node_count == 1;
     out->emitter_count = emitters->emissive_triangles + (out->map.width > 0);
     return status;
 }
