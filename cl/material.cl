@@ -7,8 +7,9 @@
 //
 // Variants: TEXTURES_BOUND takes the hits of one material and its textures as images (thesis
 // section 3.3), else all hits of the queue at once, with texels from the pool; NORMAL_MAPS; LAYERS
-// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER. With SHADE_LANES and the pool most
-// hits are shaded by eights (lib/material_lanes.h).
+// (lib/layers.h), with SHEEN_LOBE; BRDF_PHONG; LIGHT_SAMPLER; EMITTERS; UNTEXTURED;
+// LIGHT_BVH_FLAT. With SHADE_LANES and the pool most hits are shaded by eights
+// (lib/material_lanes.h).
 
 #if TEXTURES_BOUND
 #define TEXTURE_IMAGES 1
@@ -22,6 +23,7 @@
 #include "lib/prefetch.h"
 #include "lib/samples.h"
 #include "lib/shade_lanes.h"
+#include "lib/texture_use.h"
 #include "shared/ray.h"
 
 // Textures that are bound are those of one material; the pool has all, as eight hits side by side
@@ -31,6 +33,10 @@
 #include "lib/material_lanes.h"
 #else
 #define MATERIAL_LANES 0
+#endif
+
+#ifndef EMITTERS
+#define EMITTERS 1 // some triangle is one
 #endif
 
 #ifndef WG_MATERIAL
@@ -212,48 +218,44 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             // Fetch the colours.
             struct texture_values values;
 #if TEXTURES_BOUND
-            values.base = texture_fetch(base_image, &material->textures[TEXTURE_BASE], uv);
-            values.surface = texture_fetch(surface_image, &material->textures[TEXTURE_SURFACE], uv);
-            values.emissive =
-                texture_fetch(emissive_image, &material->textures[TEXTURE_EMISSIVE], uv);
-            values.specular =
-                texture_fetch(specular_image, &material->textures[TEXTURE_SPECULAR], uv);
-            values.specular_color = texture_fetch(specular_color_image,
-                                                  &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+            values.base = texture_fetch_use(base_image, material, TEXTURE_BASE, uv);
+            values.surface = texture_fetch_use(surface_image, material, TEXTURE_SURFACE, uv);
+            values.emissive = texture_fetch_use(emissive_image, material, TEXTURE_EMISSIVE, uv);
+            values.specular = texture_fetch_use(specular_image, material, TEXTURE_SPECULAR, uv);
+            values.specular_color =
+                texture_fetch_use(specular_color_image, material, TEXTURE_SPECULAR_COLOR, uv);
 #if NORMAL_MAPS
-            values.normal = texture_fetch(normal_image, &material->textures[TEXTURE_NORMAL], uv);
+            values.normal = texture_fetch_use(normal_image, material, TEXTURE_NORMAL, uv);
 #endif
 #if LAYERS
             values.transmission =
-                texture_fetch(transmission_image, &material->textures[TEXTURE_TRANSMISSION], uv);
-            values.diffuse_transmission = texture_fetch(
-                diffuse_transmission_image, &material->textures[TEXTURE_DIFFUSE_TRANSMISSION], uv);
-            values.diffuse_transmission_color =
-                texture_fetch(diffuse_transmission_color_image,
-                              &material->textures[TEXTURE_DIFFUSE_TRANSMISSION_COLOR], uv);
-            values.coat = texture_fetch(coat_image, &material->textures[TEXTURE_COAT], uv);
-            values.coat_roughness = texture_fetch(coat_roughness_image,
-                                                  &material->textures[TEXTURE_COAT_ROUGHNESS], uv);
+                texture_fetch_use(transmission_image, material, TEXTURE_TRANSMISSION, uv);
+            values.diffuse_transmission = texture_fetch_use(diffuse_transmission_image, material,
+                                                            TEXTURE_DIFFUSE_TRANSMISSION, uv);
+            values.diffuse_transmission_color = texture_fetch_use(
+                diffuse_transmission_color_image, material, TEXTURE_DIFFUSE_TRANSMISSION_COLOR, uv);
+            values.coat = texture_fetch_use(coat_image, material, TEXTURE_COAT, uv);
+            values.coat_roughness =
+                texture_fetch_use(coat_roughness_image, material, TEXTURE_COAT_ROUGHNESS, uv);
 #if NORMAL_MAPS
             values.coat_normal =
-                texture_fetch(coat_normal_image, &material->textures[TEXTURE_COAT_NORMAL], uv);
+                texture_fetch_use(coat_normal_image, material, TEXTURE_COAT_NORMAL, uv);
 #endif
 #endif
 #if SHEEN_LOBE
             values.sheen_color =
-                texture_fetch(sheen_color_image, &material->textures[TEXTURE_SHEEN_COLOR], uv);
-            values.sheen_roughness = texture_fetch(
-                sheen_roughness_image, &material->textures[TEXTURE_SHEEN_ROUGHNESS], uv);
+                texture_fetch_use(sheen_color_image, material, TEXTURE_SHEEN_COLOR, uv);
+            values.sheen_roughness =
+                texture_fetch_use(sheen_roughness_image, material, TEXTURE_SHEEN_ROUGHNESS, uv);
 #endif
 #else
-        values.base = texture_fetch(texels, &material->textures[TEXTURE_BASE], uv);
-        values.surface = texture_fetch(texels, &material->textures[TEXTURE_SURFACE], uv);
-        values.emissive = texture_fetch(texels, &material->textures[TEXTURE_EMISSIVE], uv);
-        values.specular = texture_fetch(texels, &material->textures[TEXTURE_SPECULAR], uv);
-        values.specular_color =
-            texture_fetch(texels, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
+        values.base = texture_fetch_use(texels, material, TEXTURE_BASE, uv);
+        values.surface = texture_fetch_use(texels, material, TEXTURE_SURFACE, uv);
+        values.emissive = texture_fetch_use(texels, material, TEXTURE_EMISSIVE, uv);
+        values.specular = texture_fetch_use(texels, material, TEXTURE_SPECULAR, uv);
+        values.specular_color = texture_fetch_use(texels, material, TEXTURE_SPECULAR_COLOR, uv);
 #if NORMAL_MAPS
-        values.normal = texture_fetch(texels, &material->textures[TEXTURE_NORMAL], uv);
+        values.normal = texture_fetch_use(texels, material, TEXTURE_NORMAL, uv);
 #endif
 #if LAYERS
         layer_fetch(&values, texels, material, uv);
@@ -270,6 +272,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             const float3 emission = material->emission.xyz * values.emissive.xyz;
             if (!measures && (front || (flags & MATERIAL_EMITS_BACK)) && max3(emission) > 0.0f) {
                 float weight = 1.0f;
+#if EMITTERS
                 const uint emitter = triangle_emitters[hit.triangle];
                 if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
                     const float density = light_hit_density(lights, shapes, emitter, org, hit.t,
@@ -280,6 +283,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
                                                              light_leaves, org, before, emitter);
                     weight = mis_weight(rays[slot].dir.w, count * density);
                 }
+#endif
                 radiance += throughput * emission * weight;
             }
 

@@ -109,6 +109,9 @@ static struct program_options scene_options(const struct renderer *r, const stru
     options.more = form->more;
     options.alpha = r->scene.alpha;
     options.environment = r->scene.map.width > 0;
+    options.no_emitters = r->scene.emitter_count == (uint32_t)(r->scene.map.width > 0);
+    options.few_lights = r->scene.few_lights;
+    options.untextured = r->scene.untextured;
     options.normal_maps = r->scene.normal_maps;
     options.layers = r->scene.layers;
     options.sheen = r->scene.sheen;

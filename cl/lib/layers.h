@@ -16,6 +16,7 @@
 
 #include "lib/bsdf.h"
 #include "lib/surface.h"
+#include "lib/texture_use.h"
 
 #if LAYERS
 
@@ -162,26 +163,29 @@ static inline float3 layer_choose(struct bsdf *b, __global const struct material
     return weight * layer_choose_side(b, material, values, color.xyz, u);
 }
 
-// Fetches what only layers need.
+#if !TEXTURE_IMAGES
+
+// Fetches what only layers need, from the pool.
 static inline void layer_fetch(struct texture_values *values, __global const uint *restrict texels,
                                __global const struct material *material, const float4 uv)
 {
-    __global const struct texture_slot *slots = material->textures;
-    values->transmission = texture_fetch_pool(texels, &slots[TEXTURE_TRANSMISSION], uv);
+    values->transmission = texture_fetch_use(texels, material, TEXTURE_TRANSMISSION, uv);
     values->diffuse_transmission =
-        texture_fetch_pool(texels, &slots[TEXTURE_DIFFUSE_TRANSMISSION], uv);
+        texture_fetch_use(texels, material, TEXTURE_DIFFUSE_TRANSMISSION, uv);
     values->diffuse_transmission_color =
-        texture_fetch_pool(texels, &slots[TEXTURE_DIFFUSE_TRANSMISSION_COLOR], uv);
-    values->coat = texture_fetch_pool(texels, &slots[TEXTURE_COAT], uv);
-    values->coat_roughness = texture_fetch_pool(texels, &slots[TEXTURE_COAT_ROUGHNESS], uv);
+        texture_fetch_use(texels, material, TEXTURE_DIFFUSE_TRANSMISSION_COLOR, uv);
+    values->coat = texture_fetch_use(texels, material, TEXTURE_COAT, uv);
+    values->coat_roughness = texture_fetch_use(texels, material, TEXTURE_COAT_ROUGHNESS, uv);
 #if NORMAL_MAPS
-    values->coat_normal = texture_fetch_pool(texels, &slots[TEXTURE_COAT_NORMAL], uv);
+    values->coat_normal = texture_fetch_use(texels, material, TEXTURE_COAT_NORMAL, uv);
 #endif
 #if SHEEN_LOBE
-    values->sheen_color = texture_fetch_pool(texels, &slots[TEXTURE_SHEEN_COLOR], uv);
-    values->sheen_roughness = texture_fetch_pool(texels, &slots[TEXTURE_SHEEN_ROUGHNESS], uv);
+    values->sheen_color = texture_fetch_use(texels, material, TEXTURE_SHEEN_COLOR, uv);
+    values->sheen_roughness = texture_fetch_use(texels, material, TEXTURE_SHEEN_ROUGHNESS, uv);
 #endif
 }
+
+#endif
 
 #endif
 #endif

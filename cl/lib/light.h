@@ -7,6 +7,7 @@
 
 #include "lib/light_near.h"
 #include "lib/surface.h"
+#include "lib/texture_use.h"
 #include "shared/light.h"
 #include "shared/rng.h"
 
@@ -103,7 +104,8 @@ static inline float3 light_triangle_emission(const struct surface *surface, cons
     __global const struct texture_slot *slot =
         &surface->materials[tri.material].textures[TEXTURE_EMISSIVE];
     const float3 emission = factor * surface_coverage(surface, triangle, s, t);
-    if (!(slot->flags & TEXTURE_PRESENT) || max3(emission) <= 0.0f)
+    if (!TEXTURE_IS_USED(TEXTURE_EMISSIVE) || !(slot->flags & TEXTURE_PRESENT) ||
+        max3(emission) <= 0.0f)
         return emission;
     const float4 uv = surface_blend(surface->vertices[tri.v0].uv, surface->vertices[tri.v1].uv,
                                     surface->vertices[tri.v2].uv, s, t);

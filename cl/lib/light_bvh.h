@@ -28,6 +28,10 @@
 #include "shared/light.h"
 #include "shared/rng.h"
 
+#ifndef LIGHT_BVH_FLAT
+#define LIGHT_BVH_FLAT 0 // all lights are below the root: there is no other node
+#endif
+
 #define LIGHT_CUT_SPLITS 8 // clusters that are replaced at most: 10,000 lights want so many
 #define LIGHT_CUT_MOST   (LIGHT_BVH_WIDTH + (LIGHT_BVH_WIDTH - 1) * LIGHT_CUT_SPLITS)
 #define LIGHT_CUT_NEAR   4.0f // squared distance, in squared radii, of clusters worth replacing
@@ -147,8 +151,10 @@ static inline uint light_cut(float *sum, float *weights, uint *words,
                              __global const struct light_bvh_node *nodes, const float3 p,
                              const float3 normal)
 {
-    uint count = light_cut_add(weights, words, 0, &nodes[0], p, normal);
-    for (int split = 0; split < LIGHT_CUT_SPLITS; split++) {
+    uint node = 0; // to be added: the root, then what is replaced
+    uint count = 0;
+    for (int split = 0;; split++) {
+        count = light_cut_add(weights, words, count, &nodes[node], p, normal);
         uint heaviest = 0;
         float least = 0.0f;
         for (uint i = 0; i < count; i++) {
@@ -157,13 +163,12 @@ static inline uint light_cut(float *sum, float *weights, uint *words,
                 heaviest = i;
             }
         }
-        if (!(least < 0.0f))
+        if (LIGHT_BVH_FLAT || !(least < 0.0f) || split == LIGHT_CUT_SPLITS)
             break;
-        const uint node = words[heaviest];
+        node = words[heaviest];
         count--;
         weights[heaviest] = weights[count];
         words[heaviest] = words[count];
-        count = light_cut_add(weights, words, count, &nodes[node], p, normal);
     }
     *sum = light_cut_sum(weights, count);
     return count;
@@ -253,7 +258,7 @@ static inline uint light_walk_next(float *expected, struct light_walk *walk,
         const uint last = --walk->count;
         const uint word = walk->words[last];
         const float length = walk->lengths[last];
-        if (word & LIGHT_BVH_LEAF) {
+        if (LIGHT_BVH_FLAT || (word & LIGHT_BVH_LEAF)) {
             *expected = min2(length, 1.0f);
             return word & ~LIGHT_BVH_LEAF;
         }
@@ -281,6 +286,8 @@ static inline float light_bvh_share(__global const struct light_bvh_node *nodes,
         for (uint i = 0; i < cut_count; i++)
             if (cut_words[i] == word)
                 return share * cut_weights[i] / cut_sum;
+        if (LIGHT_BVH_FLAT)
+            break;
         word = place >> 3;
         float weights[8];
         uint words[8];

@@ -38,6 +38,8 @@ static inline uint scan_group(__local uint *values)
 {
     const uint item = get_local_id(0);
     barrier(CLK_LOCAL_MEM_FENCE);
+    // Written out, as NVIDIA's compiler does, the steps are a third of compaction's kernels.
+#pragma unroll 1
     for (uint step = 1; step < WG_SCAN; step *= 2) {
         const uint left = item >= step ? values[item - step] : 0u;
         barrier(CLK_LOCAL_MEM_FENCE);

@@ -14,6 +14,10 @@
 #include "shared/oct.h"
 #include "shared/rng.h"
 
+#ifndef ALPHA
+#define ALPHA 1 // some material lets rays by
+#endif
+
 // Everything needed to ask about a surface; built at the head of a kernel from its arguments.
 struct surface {
     __global const struct vertex *vertices;
@@ -53,7 +57,7 @@ static inline float surface_coverage(const struct surface *s, const uint triangl
     const struct triangle tri = s->triangles[triangle];
     __global const struct material *material = &s->materials[tri.material];
     const uint flags = material->flags;
-    if (!(flags & (MATERIAL_MASKED | MATERIAL_BLENDED)))
+    if (!ALPHA || !(flags & (MATERIAL_MASKED | MATERIAL_BLENDED)))
         return 1.0f;
     const float4 uv =
         surface_blend(s->vertices[tri.v0].uv, s->vertices[tri.v1].uv, s->vertices[tri.v2].uv, u, v);

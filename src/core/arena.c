@@ -16,6 +16,12 @@ struct arena_block {
     _Alignas(max_align_t) unsigned char data[];
 };
 
+// Stands in a block.
+struct arena_guest {
+    struct arena_guest *next; // older, or NULL
+    void *memory;             // owned
+};
+
 // Adds a zeroed block with room for `capacity` bytes in front of the list.
 static struct arena_block *add_block(struct arena *arena, size_t capacity)
 {
@@ -70,14 +76,26 @@ char *arena_strdup(struct arena *arena, const char *text)
     return copy;
 }
 
+bool arena_adopt(struct arena *arena, void *memory, size_t size)
+{
+    struct arena_guest *guest = arena_alloc(arena, 1, sizeof(*guest));
+    if (guest == NULL)
+        return false;
+    *guest = (struct arena_guest){arena->guests, memory};
+    arena->guests = guest;
+    arena->total_size += size;
+    return true;
+}
+
 void arena_free(struct arena *arena)
 {
+    for (struct arena_guest *guest = arena->guests; guest != NULL; guest = guest->next)
+        free(guest->memory);
     struct arena_block *block = arena->blocks;
     while (block != NULL) {
         struct arena_block *next = block->next;
         free(block);
         block = next;
     }
-    arena->blocks = NULL;
-    arena->total_size = 0;
+    *arena = (struct arena){0};
 }

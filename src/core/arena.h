@@ -5,12 +5,14 @@
 #ifndef CORE_ARENA_H
 #define CORE_ARENA_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /** All zero is a valid empty arena. */
 struct arena {
     struct arena_block *blocks; // newest first; owned
-    size_t total_size;          // bytes handed out
+    struct arena_guest *guests; // what was adopted, newest first; owned
+    size_t total_size;          // bytes handed out or adopted
 };
 
 /**
@@ -24,6 +26,15 @@ void *arena_alloc(struct arena *arena, size_t count, size_t size);
 
 /** Copies a string into the arena. NULL if there is not enough memory. */
 char *arena_strdup(struct arena *arena, const char *text);
+
+/**
+ * Takes memory over that is to be released with free(): it lives until arena_free(), and is not
+ * copied.
+ *
+ * @param size  Its bytes.
+ * @return false, and the caller still owns it, if there is not enough memory.
+ */
+bool arena_adopt(struct arena *arena, void *memory, size_t size);
 
 /** Releases everything and leaves the arena empty. */
 void arena_free(struct arena *arena);

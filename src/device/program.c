@@ -53,6 +53,9 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "SHEEN_LOBE", chosen->sheen);
     add_define(options, text, "BRDF_PHONG", chosen->brdf_phong);
     add_define(options, text, "ENV_MAP", chosen->environment);
+    add_define(options, text, "EMITTERS", !chosen->no_emitters);
+    add_define(options, text, "LIGHT_BVH_FLAT", chosen->few_lights);
+    add_define(options, text, "UNTEXTURED", (int)chosen->untextured);
     if (chosen->light_sampler != 0)
         add_define(options, text, "LIGHT_SAMPLER", chosen->light_sampler);
     const size_t used = strlen(options);
@@ -112,8 +115,9 @@ cleanup:
     return status;
 }
 
-enum status program_build_text(struct program *out, const struct gpu *gpu, const char *text,
-                               size_t size, const struct program_options *chosen)
+// Builds a text, which messages know by a name.
+static enum status build_named(struct program *out, const struct gpu *gpu, const char *name,
+                               const char *text, size_t size, const struct program_options *chosen)
 {
     char options[OPTIONS_MAX];
     write_options(options, text, gpu, chosen);
@@ -131,10 +135,16 @@ enum status program_build_text(struct program *out, const struct gpu *gpu, const
             build_cache_save(&key, handle);
     }
     if (from_source)
-        log_message(LOG_DEBUG, "compiled a program in %.3f s: %s", clock_seconds() - start_s,
+        log_message(LOG_DEBUG, "compiled %s in %.3f s: %s", name, clock_seconds() - start_s,
                     options);
     *out = (struct program){.handle = handle, .from_source = from_source};
     return STATUS_OK;
+}
+
+enum status program_build_text(struct program *out, const struct gpu *gpu, const char *text,
+                               size_t size, const struct program_options *options)
+{
+    return build_named(out, gpu, "a text", text, size, options);
 }
 
 enum status program_build(struct program *out, const struct gpu *gpu, const char *name,
@@ -142,7 +152,7 @@ enum status program_build(struct program *out, const struct gpu *gpu, const char
 {
     for (size_t i = 0; i < cl_source_count; i++)
         if (strcmp(cl_sources[i].name, name) == 0)
-            return program_build_text(out, gpu, cl_sources[i].text, cl_sources[i].size, options);
+            return build_named(out, gpu, name, cl_sources[i].text, cl_sources[i].size, options);
     return status_fail(STATUS_DEVICE, "no kernel source named \"%s\" is built in", name);
 }
 

@@ -40,6 +40,9 @@ struct program_options {
     int light_sampler;   // direct, material: LIGHT_SAMPLER_... of shared/settings.h
     bool brdf_phong;     // the thesis's BSDF
     bool environment;    // directional: there is an environment
+    bool no_emitters;    // material: no triangle is an emitter
+    bool few_lights;     // direct, material: the root of the light BVH has them all
+    uint32_t untextured; // bits of enum texture_use: no material has such a texture
     bool no_cache;       // build from source
     const char *more;    // options for the compiler beside all these; NULL: none. Borrowed
 };

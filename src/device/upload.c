@@ -235,6 +235,7 @@ static enum status upload_lights(struct device_scene *out, struct gpu *gpu,
     if (status == STATUS_OK)
         status = upload_far_lights(out, gpu, emitters, source->environment);
     out->light_count = emitters->light_count;
+    out->few_lights = bvh->node_count == 1;
     out->emitter_count = emitters->emissive_triangles + (out->map.width > 0);
     return status;
 }
@@ -287,9 +288,13 @@ static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
     if (status == STATUS_OK && textures_bound)
         status = upload_images(out, gpu, set);
     out->material_count = set->material_count;
+    out->untextured = (1u << TEXTURE_USE_COUNT) - 1;
     const uint passing = MATERIAL_MASKED | MATERIAL_BLENDED | MATERIAL_TRANSMITS;
     for (uint32_t i = 0; i < set->material_count; i++) {
         const uint flags = set->materials[i].flags;
+        for (int use = 0; use < TEXTURE_USE_COUNT; use++)
+            if (set->materials[i].textures[use].flags & TEXTURE_PRESENT)
+                out->untextured &= ~(1u << use);
         out->alpha |= (flags & passing) != 0;
         out->normal_maps |= (flags & (MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP)) != 0;
         out->layers |= (flags & MATERIAL_LAYERED) != 0;

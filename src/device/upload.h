@@ -67,6 +67,8 @@ struct device_scene {
     bool normal_maps;       // some material has one
     bool layers;            // some material has some of lib/layers.h
     bool sheen;             // some material has a sheen
+    bool few_lights;        // the root of the light BVH has them all
+    uint32_t untextured;    // bits of enum texture_use: no material has such a texture
     bool glossy;            // some material has more than a Lambert term
 };
 

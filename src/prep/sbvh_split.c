@@ -1,5 +1,6 @@
 #include "prep/sbvh_split.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 #include "prep/vec3.h"
@@ -9,9 +10,10 @@
 // So few references are put in order: there would be more bins than references.
 #define SORT_MAX 8u
 
-// The axes of a node of so many references are looked at by several threads: there are few nodes
-// yet to share out.
+// A node of so many references is looked at by several threads: there are few nodes yet to share
+// out.
 #define SHARE_REFS 32768u
+#define SHARES     8u // parts of its references, each looked at by one
 
 // ---- what both ways share
 
@@ -29,12 +31,69 @@ struct bins {
     uint32_t begin[BIN_COUNT], end[BIN_COUNT];
 };
 
-static void clear_bins(struct bins *bins)
+// The bins of a node, on all axes.
+struct grid {
+    float lo[4], scale[4]; // where they begin; bins a metre, 0 where there is only one
+    float width[4];        // of one, m
+};
+
+static void set_axis(struct grid *grid, int axis, float lo, float extent, bool separates)
 {
-    for (int i = 0; i < BIN_COUNT; i++)
-        bins->boxes[i] = box_empty;
-    memset(bins->begin, 0, sizeof(bins->begin));
-    memset(bins->end, 0, sizeof(bins->end));
+    grid->lo[axis] = lo;
+    grid->scale[axis] = separates ? BIN_COUNT / extent : 0.0f;
+    grid->width[axis] = extent / BIN_COUNT;
+}
+
+static inline int bin_of(float x, float lo, float scale)
+{
+    const float place = (x - lo) * scale; // NaN if the extent overflows
+    return place < BIN_COUNT - 1 ? (int)place : BIN_COUNT - 1;
+}
+
+// Puts references into the bins of all axes.
+typedef void bin_function(struct bins bins[3], const struct grid *grid,
+                          const struct part_set *parts, uint32_t first, uint32_t count);
+
+static void clear_bins(struct bins bins[3])
+{
+    memset(bins, 0, 3 * sizeof(*bins));
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < BIN_COUNT; i++)
+            bins[axis].boxes[i] = box_empty;
+}
+
+static void add_bins(struct bins bins[3], const struct bins more[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < BIN_COUNT; i++) {
+            box_unite(&bins[axis].boxes[i], &more[axis].boxes[i]);
+            bins[axis].begin[i] += more[axis].begin[i];
+            bins[axis].end[i] += more[axis].end[i];
+        }
+}
+
+// Puts a node's references into bins; what comes out does not depend on who does what.
+static void fill_bins(struct bins bins[3], bin_function *fill, const struct grid *grid,
+                      const struct part_set *parts, uint32_t first, uint32_t count)
+{
+    clear_bins(bins);
+    if (count < SHARE_REFS) {
+        fill(bins, grid, parts, first, count);
+        return;
+    }
+    struct bins shares[SHARES][3];
+    const uint32_t most = (count + SHARES - 1) / SHARES;
+#pragma omp taskgroup
+    for (uint32_t i = 0; i < SHARES; i++) {
+#pragma omp task shared(shares)
+        {
+            const uint32_t left = count - i * most;
+            clear_bins(shares[i]);
+            fill(shares[i], grid, parts, first + i * most, left < most ? left : most);
+        }
+    }
+    for (uint32_t i = 0; i < SHARES; i++)
+        add_bins(bins, shares[i]);
 }
 
 // The cheapest plane between bins.
@@ -76,12 +135,6 @@ static void sweep_bins(struct sweep *out, const struct bins *bins)
 }
 
 // ---- by objects
-
-static inline int bin_of(const struct box *box, int axis, float lo, float scale)
-{
-    const float place = (box_center(box, axis) - lo) * scale; // NaN if the extent overflows
-    return place < BIN_COUNT - 1 ? (int)place : BIN_COUNT - 1;
-}
 
 // Keeps the overlap of a split's children with it.
 static void set_overlap(struct object_split *split, const struct box *left, const struct box *right)
@@ -126,29 +179,18 @@ static void sort_axis(struct object_split *best, const struct box *boxes, uint32
     }
 }
 
-// Finds the cheapest plane of one axis between bins.
-static void bin_axis(struct object_split *out, const struct box *boxes, uint32_t count, int axis,
-                     const struct box *centers)
+// Puts whole references into the bins that their centers are in.
+static void bin_objects(struct bins bins[3], const struct grid *grid, const struct part_set *parts,
+                        uint32_t first, uint32_t count)
 {
-    // With an extent of nothing, or too little for its inverse, all goes into bin 0.
-    struct bins bins;
-    struct sweep sweep;
-    const float lo = centers->lo[axis];
-    const float extent = centers->hi[axis] - lo;
-    const float scale = extent > FLT_MIN * 32.0f ? BIN_COUNT / extent : 0.0f;
-    clear_bins(&bins);
-    for (uint32_t i = 0; i < count; i++) {
-        const int bin = bin_of(&boxes[i], axis, lo, scale);
-        box_unite(&bins.boxes[bin], &boxes[i]);
-        bins.begin[bin]++;
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct box *box = &parts->boxes[i];
+        for (int axis = 0; axis < 3; axis++) {
+            const int bin = bin_of(box_center(box, axis), grid->lo[axis], grid->scale[axis]);
+            box_unite(&bins[axis].boxes[bin], box);
+            bins[axis].begin[bin]++;
+        }
     }
-    memcpy(bins.end, bins.begin, sizeof(bins.end));
-    sweep_bins(&sweep, &bins);
-    *out = (struct object_split){.axis = -1, .cost = DBL_MAX};
-    if (sweep.plane == 0)
-        return;
-    *out = (struct object_split){axis, sweep.plane, lo, scale, sweep.cost, 0.0};
-    set_overlap(out, &sweep.left, &sweep.right);
 }
 
 void split_find_object(struct object_split *out, const struct part_set *parts, uint32_t first,
@@ -161,27 +203,32 @@ void split_find_object(struct object_split *out, const struct part_set *parts, u
             sort_axis(out, boxes, count, axis);
         return;
     }
-    struct object_split found[3];
-    if (count < SHARE_REFS) {
-        for (int axis = 0; axis < 3; axis++)
-            bin_axis(&found[axis], boxes, count, axis, centers);
-    } else {
-#pragma omp taskgroup
-        for (int axis = 0; axis < 3; axis++) {
-#pragma omp task shared(found)
-            bin_axis(&found[axis], boxes, count, axis, centers);
-        }
+    struct bins bins[3];
+    struct grid grid = {{0.0f}, {0.0f}, {0.0f}};
+    for (int axis = 0; axis < 3; axis++) {
+        // With an extent of nothing, or too little for its inverse, all goes into bin 0.
+        const float extent = centers->hi[axis] - centers->lo[axis];
+        set_axis(&grid, axis, centers->lo[axis], extent, extent > FLT_MIN * 32.0f);
     }
-    for (int axis = 0; axis < 3; axis++)
-        if (found[axis].cost < out->cost)
-            *out = found[axis];
+    fill_bins(bins, bin_objects, &grid, parts, first, count);
+    for (int axis = 0; axis < 3; axis++) {
+        struct sweep sweep;
+        memcpy(bins[axis].end, bins[axis].begin, sizeof(bins[axis].end));
+        sweep_bins(&sweep, &bins[axis]);
+        if (!(sweep.cost < out->cost))
+            continue;
+        *out = (struct object_split){axis,       sweep.plane, grid.lo[axis], grid.scale[axis],
+                                     sweep.cost, 0.0};
+        set_overlap(out, &sweep.left, &sweep.right);
+    }
 }
 
 // Whether a reference goes left.
 static inline bool is_left(const struct object_split *split, const struct box *box)
 {
-    return split->plane > 0 ? bin_of(box, split->axis, split->lo, split->scale) < split->plane
-                            : box_center(box, split->axis) < split->lo;
+    const float center = box_center(box, split->axis);
+    return split->plane > 0 ? bin_of(center, split->lo, split->scale) < split->plane
+                            : center < split->lo;
 }
 
 uint32_t split_objects(struct part_set *parts, uint32_t first, uint32_t count,
@@ -258,33 +305,22 @@ static void cut(struct box *left, struct box *right, const struct box *part, dou
     box_intersect(right, part);
 }
 
-// The slabs of a node on one axis.
-struct grid {
-    float lo, width, scale; // scale: slabs a metre; 0: none
-};
-
-static inline int slab_of(const struct grid *grid, float x)
-{
-    const float place = (x - grid->lo) * grid->scale;
-    return place < BIN_COUNT - 1 ? (int)place : BIN_COUNT - 1;
-}
-
-static inline float slab_plane(const struct grid *grid, int slab)
-{
-    return grid->lo + (float)slab * grid->width;
-}
-
 // The slabs that one part reaches on an axis.
 struct reach {
     struct box *slabs; // [first .. last] what of the part is in each
     const struct box *part;
     int axis, first, last;
+    float lo, scale, width; // of the grid
 };
+
+static inline int slab_of(const struct reach *reach, float x)
+{
+    return bin_of(x, reach->lo, reach->scale);
+}
 
 // Puts a corner of a part into its slab, and where the edge from there to the next corner meets
 // planes into the slabs on both sides. Rounded more than by cut(): what is found is an estimate.
-static void bin_edge(const struct reach *reach, const struct grid *grid, const float *a,
-                     const float *b)
+static inline void bin_edge(const struct reach *reach, const float *a, const float *b)
 {
     const int axis = reach->axis;
     const float lo = reach->part->lo[axis];
@@ -293,7 +329,7 @@ static void bin_edge(const struct reach *reach, const struct grid *grid, const f
     if (a[axis] >= lo && a[axis] <= hi) {
         memcpy(point.lo, a, sizeof(point.lo));
         memcpy(point.hi, a, sizeof(point.hi));
-        box_unite(&reach->slabs[slab_of(grid, a[axis])], &point);
+        box_unite(&reach->slabs[slab_of(reach, a[axis])], &point);
     }
     const float low = a[axis] < b[axis] ? a[axis] : b[axis];
     const float high = a[axis] < b[axis] ? b[axis] : a[axis];
@@ -304,11 +340,11 @@ static void bin_edge(const struct reach *reach, const struct grid *grid, const f
     float slope[4];
     for (int k = 0; k < 4; k++)
         slope[k] = (b[k] - a[k]) / (b[axis] - a[axis]);
-    const int from = low < lo ? reach->first - 1 : slab_of(grid, low);
-    const int to = high > hi ? reach->last + 1 : slab_of(grid, high);
+    const int from = low < lo ? reach->first - 1 : slab_of(reach, low);
+    const int to = high > hi ? reach->last + 1 : slab_of(reach, high);
     for (int slab = from; slab < to; slab++) {
         const float at = slab < reach->first  ? lo
-                         : slab < reach->last ? slab_plane(grid, slab + 1)
+                         : slab < reach->last ? reach->lo + (float)(slab + 1) * reach->width
                                               : hi;
         for (int k = 0; k < 4; k++)
             point.lo[k] = point.hi[k] = a[k] + (at - a[axis]) * slope[k];
@@ -319,26 +355,16 @@ static void bin_edge(const struct reach *reach, const struct grid *grid, const f
 
 // Chops one part into the slabs that it reaches: each holds the corners within, and where the edges
 // meet its two planes.
-static void bin_part(struct bins *bins, const struct grid *grid, const struct part_set *parts,
-                     uint32_t index, int axis)
+static void chop_part(struct bins *bins, const struct grid *grid, const struct box *part,
+                      float corners[3][4], int axis, int first, int last)
 {
-    const struct box *part = &parts->boxes[index];
-    const int first = slab_of(grid, part->lo[axis]);
-    const int last = slab_of(grid, part->hi[axis]);
-    bins->begin[first]++;
-    bins->end[last]++;
-    if (first == last) {
-        box_unite(&bins->boxes[first], part);
-        return;
-    }
     struct box slabs[BIN_COUNT];
-    float corners[3][4];
-    const struct reach reach = {slabs, part, axis, first, last};
+    const struct reach reach = {
+        slabs, part, axis, first, last, grid->lo[axis], grid->scale[axis], grid->width[axis]};
     for (int slab = first; slab <= last; slab++)
         slabs[slab] = box_empty;
-    load_corner_rows(corners, parts, parts->order[index]);
     for (int i = 0; i < 3; i++)
-        bin_edge(&reach, grid, corners[i], corners[i < 2 ? i + 1 : 0]);
+        bin_edge(&reach, corners[i], corners[i < 2 ? i + 1 : 0]);
     for (int slab = first; slab <= last; slab++) {
         box_intersect(&slabs[slab], part);
         if (!box_is_empty(&slabs[slab]))
@@ -346,50 +372,60 @@ static void bin_part(struct bins *bins, const struct grid *grid, const struct pa
     }
 }
 
-// Finds the cheapest plane of one axis.
-static void cut_axis(struct spatial_split *out, const struct part_set *parts, uint32_t first,
-                     uint32_t count, int axis, const struct box *bounds)
+// Puts what of references is in each slab into its bin.
+static void bin_pieces(struct bins bins[3], const struct grid *grid, const struct part_set *parts,
+                       uint32_t first, uint32_t count)
 {
-    struct bins bins;
-    struct sweep sweep;
-    struct grid grid = {.lo = bounds->lo[axis]};
-    const float extent = bounds->hi[axis] - bounds->lo[axis];
-    *out = (struct spatial_split){.cost = DBL_MAX};
-    grid.width = extent / BIN_COUNT;
-    if (!(grid.width > FLT_MIN * 32.0f && grid.lo + grid.width > grid.lo))
-        return; // floats cannot tell the slabs apart
-    grid.scale = BIN_COUNT / extent;
-    clear_bins(&bins);
-    for (uint32_t i = first; i < first + count; i++)
-        bin_part(&bins, &grid, parts, i, axis);
-    sweep_bins(&sweep, &bins);
-    *out = (struct spatial_split){axis,
-                                  slab_plane(&grid, sweep.plane),
-                                  sweep.cost,
-                                  sweep.left,
-                                  sweep.right,
-                                  sweep.left_count,
-                                  sweep.right_count};
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct box *part = &parts->boxes[i];
+        int from[3], to[3];
+        bool is_cut = false;
+        for (int axis = 0; axis < 3; axis++) {
+            from[axis] = bin_of(part->lo[axis], grid->lo[axis], grid->scale[axis]);
+            to[axis] = bin_of(part->hi[axis], grid->lo[axis], grid->scale[axis]);
+            bins[axis].begin[from[axis]]++;
+            bins[axis].end[to[axis]]++;
+            is_cut = is_cut || from[axis] != to[axis];
+        }
+        float corners[3][4];
+        if (is_cut)
+            load_corner_rows(corners, parts, parts->order[i]);
+        for (int axis = 0; axis < 3; axis++) {
+            if (from[axis] == to[axis])
+                box_unite(&bins[axis].boxes[from[axis]], part);
+            else
+                chop_part(&bins[axis], grid, part, corners, axis, from[axis], to[axis]);
+        }
+    }
 }
 
 void split_find_spatial(struct spatial_split *out, const struct part_set *parts, uint32_t first,
                         uint32_t count, const struct box *bounds)
 {
-    struct spatial_split found[3];
-    if (count < SHARE_REFS) {
-        for (int axis = 0; axis < 3; axis++)
-            cut_axis(&found[axis], parts, first, count, axis, bounds);
-    } else {
-#pragma omp taskgroup
-        for (int axis = 0; axis < 3; axis++) {
-#pragma omp task shared(found)
-            cut_axis(&found[axis], parts, first, count, axis, bounds);
-        }
+    struct bins bins[3];
+    struct grid grid = {{0.0f}, {0.0f}, {0.0f}};
+    for (int axis = 0; axis < 3; axis++) {
+        const float lo = bounds->lo[axis];
+        const float extent = bounds->hi[axis] - lo;
+        const float width = extent / BIN_COUNT;
+        // Else floats cannot tell the slabs apart.
+        set_axis(&grid, axis, lo, extent, width > FLT_MIN * 32.0f && lo + width > lo);
     }
+    fill_bins(bins, bin_pieces, &grid, parts, first, count);
     *out = (struct spatial_split){.cost = DBL_MAX};
-    for (int axis = 0; axis < 3; axis++)
-        if (found[axis].cost < out->cost)
-            *out = found[axis];
+    for (int axis = 0; axis < 3; axis++) {
+        struct sweep sweep;
+        sweep_bins(&sweep, &bins[axis]);
+        if (grid.scale[axis] == 0.0f || !(sweep.cost < out->cost))
+            continue;
+        *out = (struct spatial_split){axis,
+                                      grid.lo[axis] + (float)sweep.plane * grid.width[axis],
+                                      sweep.cost,
+                                      sweep.left,
+                                      sweep.right,
+                                      sweep.left_count,
+                                      sweep.right_count};
+    }
 }
 
 // Half the surface of a box that holds another one, too.

@@ -1,7 +1,6 @@
 #include "scene/gltf_image.hpp"
 
 #include <cstdlib>
-#include <cstring>
 
 #include "scene/gltf_buffer.hpp"
 
@@ -170,10 +169,10 @@ static void keep_images(import_context &context, const texture_collector &collec
         image.name = arena_text(context, job.name);
         image.width = job.width;
         image.height = job.height;
-        image.rgba = arena_array<uint8_t>(context, size);
-        memcpy(image.rgba, job.rgba, size);
-        free(job.rgba);
-        job.rgba = nullptr;
+        if (!arena_adopt(&context.scene->arena, job.rgba, size))
+            fail_import(STATUS_NO_MEMORY, "%s does not fit", job.name.c_str());
+        image.rgba = job.rgba;
+        job.rgba = nullptr; // the scene owns it now
     }
 }
 

@@ -86,7 +86,7 @@ static bool is_complete(const char *format, const uint8_t *bytes, size_t size)
     return strcmp(format, "jpeg") != 0 || is_complete_jpeg(bytes, size);
 }
 
-// Spreads 1 to 4 channels to RGBA.
+// Spreads 1 to 3 channels to RGBA. The pixels may be the last part of what is written.
 static void expand_to_rgba(uint8_t *rgba, const uint8_t *pixels, size_t count, int channels)
 {
     for (size_t i = 0; i < count; i++) {
@@ -96,7 +96,7 @@ static void expand_to_rgba(uint8_t *rgba, const uint8_t *pixels, size_t count, i
         to[0] = from[0];
         to[1] = is_gray ? from[0] : from[1];
         to[2] = is_gray ? from[0] : from[2];
-        to[3] = channels == 2 ? from[1] : channels >= 4 ? from[3] : 255;
+        to[3] = channels == 2 ? from[1] : 255;
     }
 }
 
@@ -149,12 +149,7 @@ static enum status decode(uint8_t **rgba, uint32_t *width, uint32_t *height, con
     const size_t count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
     const int channels = spec.nchannels > 4 ? 4 : spec.nchannels;
     auto out = make_c_array<uint8_t>(count * 4);
-    std::vector<uint8_t> pixels;
-    uint8_t *target = out.get();
-    if (channels != 4) {
-        pixels.resize(count * static_cast<size_t>(channels));
-        target = pixels.data();
-    }
+    uint8_t *const target = out.get() + count * static_cast<size_t>(4 - channels);
     if (!input->read_image(0, 0, 0, channels, TypeDesc::UINT8, target))
         return status_fail(STATUS_FORMAT, "%s: %s", name, input->geterror().c_str());
     if (channels != 4)

@@ -2,6 +2,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -55,12 +56,34 @@ static void no_elements_are_a_pointer_and_strings_are_copied(void **state)
     arena_free(&arena);
 }
 
+static void what_is_adopted_stays_as_it_is_until_the_end(void **state)
+{
+    (void)state;
+    struct arena arena = {0};
+    unsigned char *adopted[3];
+    for (size_t i = 0; i < 3; i++) {
+        adopted[i] = malloc(100);
+        assert_non_null(adopted[i]);
+        memset(adopted[i], (int)i + 1, 100);
+        assert_true(arena_adopt(&arena, adopted[i], 100));
+        assert_non_null(arena_alloc(&arena, 1000, 1));
+    }
+    assert_true(arena.total_size >= 3 * 1100);
+    for (size_t i = 0; i < 3; i++)
+        for (size_t k = 0; k < 100; k++)
+            assert_int_equal(adopted[i][k], i + 1);
+    arena_free(&arena); // and the sanitizer finds nothing left
+    assert_null(arena.guests);
+    assert_int_equal(arena.total_size, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory_is_zeroed_aligned_and_apart),
         cmocka_unit_test(products_that_overflow_are_refused),
         cmocka_unit_test(no_elements_are_a_pointer_and_strings_are_copied),
+        cmocka_unit_test(what_is_adopted_stays_as_it_is_until_the_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,6 +17,7 @@
 #include "support.h"
 
 #define LIGHTS  300u
+#define FEW     8u // that one node has
 #define POINTS  400u
 #define WALKS   4000u
 #define WALKED  50u                    // points that walks start from
@@ -242,11 +243,43 @@ static void every_light_that_contributes_can_be_drawn(void **state)
     close_setup(&s);
 }
 
+// Kernels for trees of one node say what those for any tree say, bit by bit.
+static void few_lights_are_walked_alike_without_loops(void **state)
+{
+    const struct program_options flat = {.few_lights = true};
+    struct setup s;
+    uint32_t *lights[2];
+    float *expected[2], *shares[2];
+    open_setup(&s, state, FEW);
+    assert_int_equal(s.fixture.bvh.node_count, 1);
+    for (int i = 0; i < 2; i++) {
+        shares[i] = find_shares(&s, FEW);
+        find_walks(&lights[i], &expected[i], &s, 2.5f);
+        program_free(&s.program);
+        s.program = device_program(s.gpu, "light_bvh", &flat);
+    }
+    assert_memory_equal(shares[0], shares[1], POINTS * FEW * sizeof(*shares[0]));
+    for (uint32_t walk = 0; walk < WALKED * WALKS; walk++)
+        for (uint32_t k = walk * SLOTS;; k++) { // up to the end of each
+            assert_int_equal(lights[0][k], lights[1][k]);
+            if (lights[0][k] == EMITTER_NONE)
+                break;
+            assert_memory_equal(&expected[0][k], &expected[1][k], sizeof(expected[0][k]));
+        }
+    for (int i = 0; i < 2; i++) {
+        free(shares[i]);
+        free(expected[i]);
+        free(lights[i]);
+    }
+    close_setup(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shares_sum_to_one_at_most),
         cmocka_unit_test(walks_take_lights_as_often_as_they_say),
+        cmocka_unit_test(few_lights_are_walked_alike_without_loops),
         cmocka_unit_test(every_light_that_contributes_can_be_drawn),
     };
     return cmocka_run_group_tests(tests, device_setup, device_teardown);
