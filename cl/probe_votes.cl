@@ -9,5 +9,5 @@ __kernel __attribute__((reqd_work_group_size(WARP_LANES, 1, 1))) void probe_vote
 {
     const uint lane = get_local_id(0);
     const uint first = warp_first(lane + 1);
-    out[lane] = warp_any(lane == first) ? first : 0;
+    out[lane] = warp_count(lane == first) == 1 ? first : 0;
 }

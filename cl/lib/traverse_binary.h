@@ -37,12 +37,13 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
     stack[0] = TRAVERSE_DONE;
     int top = 0;  // its last entry
     int node = 0; // current child word
+    int leaf = 0; // child word of the leaf to test; 0: none, the root is no child
 
     const float3 inverse = traverse_inverse(dir);
     const float3 shift = -org * inverse;
 
-    while (node != TRAVERSE_DONE) {
-        int leaf = 0; // child word of the leaf to test; 0: none yet, the root is no child
+    while (node != TRAVERSE_DONE || leaf != 0) {
+        const uint lanes = LEAF_LANES();
 
         // Go down until there is a leaf.
         while ((uint)node < (uint)TRAVERSE_DONE) {
@@ -89,17 +90,21 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
                 leaf = node;
                 node = stack[top--];
             }
-            if (LEAF_IS_DUE(leaf))
+            if (LEAF_IS_DUE(leaf, lanes))
                 break;
         }
 
         // Test the leaf, and those right below it on the stack.
-        while (leaf < 0) {
+        while (leaf != 0) {
             if (leaf_test(&hit, scene, leaf, org, dir, tmin, any_hit, passage, mode))
                 return traced_name(hit, scene);
-            leaf = node;
-            if (node < 0)
+            leaf = leaf_rest(leaf);
+            if (leaf == 0 && node < 0) {
+                leaf = node;
                 node = stack[top--];
+            }
+            if (LEAF_MAY_WAIT(lanes))
+                break;
         }
     }
     return traced_name(hit, scene);

@@ -21,43 +21,57 @@
 #define WALK_STACK(name) int name[QUAD_STACK_SIZE]
 #define WALK_FEW         20 // 12 and 26 do the same
 
-#define QUAD_MISS 0xffffffffu // key of a child that the ray misses, above all others
+#define QUAD_MISS 0xffffffffu // enter of a child that the ray misses, above all others
 
-// Of a child: the bits of where the ray enters it, which stand in the order of the values, with the
-// child's number in the last two; QUAD_MISS if the ray misses it.
-static inline uint quad_key(const float near_x, const float near_y, const float near_z,
-                            const float far_x, const float far_y, const float far_z,
-                            const float tmin, const float tmax, const uint child)
+// A child to visit.
+struct quad_child {
+    uint enter; // bits of where the ray enters it, which stand in the order of the values
+    int word;
+};
+
+// A child if the ray meets it between tmin and tmax.
+static inline struct quad_child quad_child(const float near_x, const float near_y,
+                                           const float near_z, const float far_x, const float far_y,
+                                           const float far_z, const float tmin, const float tmax,
+                                           const int word)
 {
     const float enter = slab_enter(near_x, near_y, near_z, tmin);
     const float leave = slab_leave(far_x, far_y, far_z, tmax);
-    return enter <= leave ? (as_uint(enter) & ~3u) | child : QUAD_MISS;
+    struct quad_child child;
+    child.enter = enter <= leave ? as_uint(enter) : QUAD_MISS;
+    child.word = word;
+    return child;
 }
 
-// Puts two keys in order.
-static inline void quad_order(uint *a, uint *b)
+// Puts two children in order, the nearer first.
+static inline void quad_order(struct quad_child *a, struct quad_child *b)
 {
-    const uint least = min(*a, *b);
-    *b = max(*a, *b);
-    *a = least;
+    const bool swap = b->enter < a->enter;
+    const int word = swap ? b->word : a->word;
+    const uint enter = min(a->enter, b->enter);
+    b->word = swap ? a->word : b->word;
+    b->enter = max(a->enter, b->enter);
+    a->word = word;
+    a->enter = enter;
 }
 
-// The word of a key's child.
-static inline int quad_word(const int4 words, const uint key)
+// Keeps a child for later if it is hit. Where the ray enters it is forgotten: to keep that, too,
+// and leave out what lies beyond a hit found since, saves 8 % of the visits, but an H100 traces
+// bounces in Sponza 4 to 9 % slower.
+static inline void quad_keep(int *stack, int *top, const struct quad_child child)
 {
-    const int even = (key & 2u) != 0 ? words.z : words.x;
-    const int odd = (key & 2u) != 0 ? words.w : words.y;
-    return (key & 1u) != 0 ? odd : even;
+    if (child.enter != QUAD_MISS)
+        stack[++*top] = child.word;
 }
 
 // Makes a child that is hit the next, and keeps the one that was before it.
-static inline void quad_visit(int *next, int *stack, int *top, const uint key, const int word)
+static inline void quad_visit(struct quad_child *next, int *stack, int *top,
+                              const struct quad_child child)
 {
-    if (key == QUAD_MISS)
+    if (child.enter == QUAD_MISS)
         return;
-    if (*next != 0)
-        stack[++*top] = *next;
-    *next = word;
+    quad_keep(stack, top, *next);
+    *next = child;
 }
 
 // A ray on its way through the tree.
@@ -67,6 +81,7 @@ struct walk {
     float3 inverse, shift; // of its slab tests
     float tmin;
     int node; // current child word, QUAD_DONE at the end
+    int leaf; // child word of the leaf to test; 0: none, the root is no child
     int top;  // of the stack: its last entry
 };
 
@@ -84,18 +99,20 @@ static inline void walk_begin(struct walk *w, int *stack, const float3 org, cons
     w->shift = -org * w->inverse;
     w->tmin = tmin;
     w->node = 0;
+    w->leaf = 0;
     w->top = 0;
     stack[0] = QUAD_DONE;
 }
 
 static inline bool walk_is_done(const struct walk *w)
 {
-    return w->node == QUAD_DONE;
+    return w->node == QUAD_DONE && w->leaf == 0;
 }
 
 static inline void walk_idle(struct walk *w)
 {
     w->node = QUAD_DONE;
+    w->leaf = 0;
 }
 
 static inline void walk_go(struct walk *w, int *stack, BVH_NODES nodes, const struct traced *scene,
@@ -107,9 +124,10 @@ static inline void walk_go(struct walk *w, int *stack, BVH_NODES nodes, const st
     const float tmin = w->tmin;
     struct hit hit = w->hit;
     int node = w->node;
+    int leaf = w->leaf;
     int top = w->top;
-    while (node != QUAD_DONE) {
-        int leaf = 0; // child word of the leaf to test; 0: none yet, the root is no child
+    while (node != QUAD_DONE || leaf != 0) {
+        const uint lanes = LEAF_LANES();
 
         // Go down until there is a leaf.
         while ((uint)node < (uint)QUAD_DONE) {
@@ -141,54 +159,59 @@ static inline void walk_go(struct walk *w, int *stack, BVH_NODES nodes, const st
                 MULADD(byte_planes(back_y ? planes0.z : planes0.w), scale.y, start_y);
             const float4 far_z =
                 MULADD(byte_planes(back_z ? planes1.x : planes1.y), scale.z, start_z);
-            uint key0 =
-                quad_key(near_x.x, near_y.x, near_z.x, far_x.x, far_y.x, far_z.x, tmin, hit.t, 0u);
-            uint key1 =
-                quad_key(near_x.y, near_y.y, near_z.y, far_x.y, far_y.y, far_z.y, tmin, hit.t, 1u);
-            uint key2 =
-                quad_key(near_x.z, near_y.z, near_z.z, far_x.z, far_y.z, far_z.z, tmin, hit.t, 2u);
-            uint key3 =
-                quad_key(near_x.w, near_y.w, near_z.w, far_x.w, far_y.w, far_z.w, tmin, hit.t, 3u);
+            struct quad_child child0 = quad_child(near_x.x, near_y.x, near_z.x, far_x.x, far_y.x,
+                                                  far_z.x, tmin, hit.t, words.x);
+            struct quad_child child1 = quad_child(near_x.y, near_y.y, near_z.y, far_x.y, far_y.y,
+                                                  far_z.y, tmin, hit.t, words.y);
+            struct quad_child child2 = quad_child(near_x.z, near_y.z, near_z.z, far_x.z, far_y.z,
+                                                  far_z.z, tmin, hit.t, words.z);
+            struct quad_child child3 = quad_child(near_x.w, near_y.w, near_z.w, far_x.w, far_y.w,
+                                                  far_z.w, tmin, hit.t, words.w);
 
             // Take the nearest, keep the others, the farther the deeper; for any hit, take them in
             // the node's order.
-            int next = 0; // 0: none yet, the root is no child
+            struct quad_child next = {QUAD_MISS, 0};
             if (any_hit) {
-                quad_visit(&next, stack, &top, key3, words.w);
-                quad_visit(&next, stack, &top, key2, words.z);
-                quad_visit(&next, stack, &top, key1, words.y);
-                quad_visit(&next, stack, &top, key0, words.x);
+                quad_visit(&next, stack, &top, child3);
+                quad_visit(&next, stack, &top, child2);
+                quad_visit(&next, stack, &top, child1);
+                quad_visit(&next, stack, &top, child0);
             } else {
-                quad_order(&key0, &key2);
-                quad_order(&key1, &key3);
-                quad_order(&key0, &key1);
-                quad_order(&key2, &key3);
-                quad_order(&key1, &key2);
-                quad_visit(&next, stack, &top, key3, quad_word(words, key3));
-                quad_visit(&next, stack, &top, key2, quad_word(words, key2));
-                quad_visit(&next, stack, &top, key1, quad_word(words, key1));
-                quad_visit(&next, stack, &top, key0, quad_word(words, key0));
+                quad_order(&child0, &child2);
+                quad_order(&child1, &child3);
+                quad_order(&child0, &child1);
+                quad_order(&child2, &child3);
+                quad_order(&child1, &child2);
+                quad_keep(stack, &top, child3);
+                quad_keep(stack, &top, child2);
+                quad_keep(stack, &top, child1);
+                next = child0;
             }
-            node = next != 0 ? next : stack[top--];
+            node = next.enter != QUAD_MISS ? next.word : stack[top--];
 
             // Keep the first leaf, and go on with what is below it on the stack.
             if (node < 0 && leaf == 0) {
                 leaf = node;
                 node = stack[top--];
             }
-            if (LEAF_IS_DUE(leaf))
+            if (LEAF_IS_DUE(leaf, lanes))
                 break;
         }
 
         // Test the leaf, and those right below it on the stack.
-        while (leaf < 0) {
+        while (leaf != 0) {
             if (leaf_test(&hit, scene, leaf, w->org, w->dir, tmin, any_hit, passage, mode)) {
                 node = QUAD_DONE;
+                leaf = 0;
                 break;
             }
-            leaf = node;
-            if (node < 0)
+            leaf = leaf_rest(leaf);
+            if (leaf == 0 && node < 0) {
+                leaf = node;
                 node = stack[top--];
+            }
+            if (LEAF_MAY_WAIT(lanes))
+                break;
         }
 #if WARP_VOTES
         if (few > 0 && (int)popcount(warp_here()) < few)
@@ -197,6 +220,7 @@ static inline void walk_go(struct walk *w, int *stack, BVH_NODES nodes, const st
     }
     w->hit = hit;
     w->node = node;
+    w->leaf = leaf;
     w->top = top;
 }
 

@@ -20,15 +20,21 @@ static inline uint warp_here(void)
     return here;
 }
 
-// Whether something holds for any of the lanes that are here now.
-static inline bool warp_any(const bool holds)
+// How many lanes are here now.
+static inline uint warp_lanes(void)
+{
+    return popcount(warp_here());
+}
+
+// For how many of the lanes that are here now something holds.
+static inline uint warp_count(const bool holds)
 {
     const uint here = warp_here();
     uint which;
     __asm volatile("{ .reg .pred p; setp.ne.u32 p, %1, 0; vote.sync.ballot.b32 %0, p, %2; }"
                    : "=r"(which)
                    : "r"((uint)holds), "r"(here));
-    return which != 0;
+    return popcount(which);
 }
 
 // A float made of four bytes of two words, by the digits of `which` from the lowest on: 0 .. 3 are
