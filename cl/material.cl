@@ -65,8 +65,8 @@ static inline float material_number(__constant struct settings *settings,
 
 #if PREFETCHES && MATERIAL_LANES
 
-#define WARM_VERTICES  16u // hits ahead of the one that is shaded; each step finds in the cache
-#define WARM_TRIANGLES 24u // what the one before has asked for, the last one texels
+#define WARM_VERTICES  16u   // hits ahead of the one that is shaded; each step finds in the cache
+#define WARM_TRIANGLES 24u   // what the one before has asked for, the last one texels
 #define WARM_LEAST     4096u // triangles of a scene that does not stay in the cache by itself
 
 // Asks for what later hits of the queue will read: of Sponza's bounces it saves a third of this

@@ -13,6 +13,8 @@
 #include "lib/shade_lanes.h"
 #include "lib/texture_lanes.h"
 
+#if SHADE_LANES
+
 // What keeps a material from being shaded here.
 #define MATERIAL_LANES_NOT                                                                         \
     (MATERIAL_UNLIT | MATERIAL_VERTEX_COLOR | MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP |     \
@@ -29,7 +31,7 @@ struct material_lanes_hits {
     uint material[LANES];
     uint v0[LANES], v1[LANES], v2[LANES];
     float8 t, u, v;
-    uint8 flags; // of the materials
+    uint8 flags;               // of the materials
     uint textured;             // bits of slots shaded here that have a texture of the base colour
     struct texture_lanes base; // where its texels are
 };
@@ -61,9 +63,9 @@ static inline struct lanes4 material_lanes_all_uv(const struct surface *s,
     const struct lanes4 b = LANES_OF(s->vertices, h->v1, .uv);
     const struct lanes4 c = LANES_OF(s->vertices, h->v2, .uv);
     const float8 w = 1.0f - h->u - h->v;
-    const struct lanes4 out = {
-        w * a.x + h->u * b.x + h->v * c.x, w * a.y + h->u * b.y + h->v * c.y,
-        w * a.z + h->u * b.z + h->v * c.z, w * a.w + h->u * b.w + h->v * c.w};
+    const struct lanes4 out = {w * a.x + h->u * b.x + h->v * c.x, w * a.y + h->u * b.y + h->v * c.y,
+                               w * a.z + h->u * b.z + h->v * c.z,
+                               w * a.w + h->u * b.w + h->v * c.w};
     return out;
 }
 
@@ -163,13 +165,15 @@ static inline void material_lanes_look_up(struct material_lanes_bsdf *out,
 }
 
 // Shades those of the eight that are shaded here, and ends the paths of those that hit nothing.
-static inline void material_lanes(
-    __constant struct settings *settings, const uint bounce, const struct material_lanes_hits *h,
-    const struct surface *s, __global const uint *triangle_emitters,
-    __global const struct light *lights, __global const struct light_shape *shapes,
-    __global const float4 *light_nodes, __global const uint *light_parents,
-    __global const uint *light_leaves, __global struct ray *rays, __global struct path *paths,
-    __global struct shade *shades)
+static inline void material_lanes(__constant struct settings *settings, const uint bounce,
+                                  const struct material_lanes_hits *h, const struct surface *s,
+                                  __global const uint *triangle_emitters,
+                                  __global const struct light *lights,
+                                  __global const struct light_shape *shapes,
+                                  __global const float4 *light_nodes,
+                                  __global const uint *light_parents,
+                                  __global const uint *light_leaves, __global struct ray *rays,
+                                  __global struct path *paths, __global struct shade *shades)
 {
     for (uint missed = h->missed; missed != 0; missed &= missed - 1)
         paths[h->slots[lanes_lowest(missed)]].throughput_bits.w = as_float(0u);
@@ -286,8 +290,7 @@ static inline void material_lanes(
         vstore8(dir.z, 0, d[2]);
         for (uint rest = own & ~lambert; rest != 0; rest &= rest - 1) {
             const uint k = lanes_lowest(rest);
-            material_lanes_look_up(&b, settings, last, s, h, k,
-                                   (float3)(g[0][k], g[1][k], g[2][k]),
+            material_lanes_look_up(&b, settings, last, s, h, k, (float3)(g[0][k], g[1][k], g[2][k]),
                                    -(float3)(d[0][k], d[1][k], d[2][k]));
         }
         diffuse =
@@ -315,5 +318,7 @@ static inline void material_lanes(
     shade.w = lanes_pack_shares(f0.z, f90);
     LANES_STORE(((__global float4 *)shades), slots, , own, shade);
 }
+
+#endif
 
 #endif

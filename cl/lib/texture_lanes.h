@@ -77,9 +77,8 @@ static inline void texture_lanes_find(struct texture_lanes *out,
     const float8 v = second ? uv.w : uv.y;
     const int8 nearest = (flags & TEXTURE_NEAREST) != 0u;
     const uint8 width = size & 0xffffu;
-    const struct texture_lanes_taps x =
-        texture_lanes_wrap_axis(m.x * u + m.y * v + move_x, as_int8(width),
-                                (flags >> TEXTURE_WRAP_S_SHIFT) & 3u, nearest);
+    const struct texture_lanes_taps x = texture_lanes_wrap_axis(
+        m.x * u + m.y * v + move_x, as_int8(width), (flags >> TEXTURE_WRAP_S_SHIFT) & 3u, nearest);
     const struct texture_lanes_taps y =
         texture_lanes_wrap_axis(m.z * u + m.w * v + move_y, as_int8(size >> 16),
                                 (flags >> TEXTURE_WRAP_T_SHIFT) & 3u, nearest);
@@ -120,9 +119,11 @@ static inline float8 texture_lanes_decode(const uint8 texel, const uint shift, c
     const float8 linear = convert_float8(as_int8(code)) * (1.0f / 255.0f);
     if (lanes_bits(srgb) == 0)
         return linear;
-    uint codes[LANES];
-    vstore8(code, 0, codes);
-    return srgb ? LANES_WORD(float8, srgb_to_linear, codes, ) : linear;
+    const float8 decoded =
+        (float8)(srgb_decode(code.s0), srgb_decode(code.s1), srgb_decode(code.s2),
+                 srgb_decode(code.s3), srgb_decode(code.s4), srgb_decode(code.s5),
+                 srgb_decode(code.s6), srgb_decode(code.s7));
+    return srgb ? decoded : linear;
 }
 
 // Filters one channel of four texels.

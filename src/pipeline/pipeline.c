@@ -191,10 +191,13 @@ enum status pipeline_shade(const struct pipeline *p, const struct stage_context 
 enum status pipeline_light(const struct pipeline *p, uint32_t form,
                            const struct stage_context *context)
 {
+    const bool has_far = has_far_lights(context->scene);
+    struct stage_context near = *context;
+    near.scatters = context->scatters && !has_far;
     enum status status = STATUS_OK;
     if (context->scene->light_count > 0)
-        status = direct_enqueue(&p->forms[form].direct, context);
-    if (status == STATUS_OK && has_far_lights(context->scene))
+        status = direct_enqueue(&p->forms[form].direct, &near);
+    if (status == STATUS_OK && has_far)
         status = directional_enqueue(&p->forms[form].directional, context);
     return status;
 }
@@ -226,12 +229,14 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
     const uint32_t *form_of = pipeline->form_of;
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
+        const bool goes_on = context.bounce + 1 < bounces;
+        context.scatters = goes_on && gpu->info.is_cpu && pipeline_has_shadows(scene);
         status = pipeline_trace(pipeline, form_of[pipeline_class(context.bounce)], &context);
         if (status == STATUS_OK)
             status = pipeline_shade(pipeline, &context);
         if (status == STATUS_OK && context.bounce < depth) // else emission is collected only
             status = pipeline_light(pipeline, form_of[RAYS_SHADOW], &context);
-        if (status == STATUS_OK && context.bounce + 1 < bounces)
+        if (status == STATUS_OK && goes_on && !context.scatters)
             status = pipeline_go_on(pipeline, &context);
         context.coherent = false;
     }
