@@ -5,7 +5,8 @@
 //   next  compact
 //
 // Variants: those of lib/bsdf.h. With SHADE_LANES (lib/shade_lanes.h) eight paths go side by side
-// where nothing but the Lambert term is left.
+// where nothing but the Lambert term is left; on CPUs that is a kernel of its own only where no
+// light is added, or forms are compared: else direct or directional sends paths on.
 
 #include "lib/scatter.h"
 

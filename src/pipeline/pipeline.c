@@ -102,7 +102,7 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     const int job_count = STAGE_COUNT + FORM_STAGE_COUNT * (int)form_count;
     for (uint32_t i = 0; i < form_count; i++)
         p.forms[i] = forms[i];
-    // Forms are compared by what they do twice.
+    // Where forms are compared, each lights the same hits.
     p.light_scatters = gpu->info.is_cpu && pipeline_has_shadows(scene) && form_count == 1;
 
     // A compiler of its own for each stage; PoCL has only one, and compiles at the first
