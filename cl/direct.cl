@@ -6,12 +6,20 @@
 //
 // Variants: those of trace; LIGHT_SAMPLER (lib/light_sampler.h). With SHADE_LANES
 // (lib/shade_lanes.h) shadow rays of eight hits are drawn side by side where nothing but the
-// Lambert term is left.
+// Lambert term is left, and if no other light is to come, the stage does the work of scatter and
+// compact, too: what they read is at hand.
+
+#include "lib/shade_lanes.h"
+
+#if SHADE_LANES
+#define WG_TRACE 1 // an item takes a run
+#endif
 
 #include "lib/bsdf.h"
 #include "lib/light_sampler.h"
 #include "lib/queue.h"
 #include "lib/samples.h"
+#include "lib/scatter.h"
 #include "lib/shadow_lanes.h"
 #include "lib/traverse.h"
 #if SHADE_LANES
@@ -190,21 +198,26 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     TRACED_PARAMETERS, __constant struct settings *settings, const struct batch batch,
     const uint bounce, __global const struct light *restrict lights,
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
-    __global const uint *restrict queue, __global const struct ray *restrict rays,
-    __global const struct shade *restrict shades, __global struct path *restrict paths,
-    __global struct counters *counters, __global const uint4 *restrict points,
-    __global const uint *restrict places)
+    __global const uint *restrict queue, SCATTER_RAYS, __global const struct shade *restrict shades,
+    __global struct path *restrict paths, __global struct counters *counters,
+    __global const uint4 *restrict points, __global const uint *restrict places
+#if SHADE_LANES
+    ,
+    SCATTER_PARAMETERS
+#endif
+)
 {
     TRACED_SCENE(scene);
     const uint round_count = light_round_count(settings);
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
-    QUEUE_LOCAL(run);
 #if SHADE_LANES
-    SHADOW_LANES_LOOP(&counters[bounce].direct_head, count)
+    struct scatter_run going;
+    going.count = 0;
+    SHADOW_LANES_LOOP(i, &counters[bounce].direct_head, count)
     {
         struct shadow_lanes_hits hits;
-        if (!shadow_lanes_load(&hits, queue, i * LANES, count, rays, paths, shades))
+        if (!shadow_lanes_load(&hits, queue, i, count, rays, paths, shades))
             continue;
         const struct lanes_place place = lanes_place(batch, places, vload8(0, hits.slots));
         struct lanes3 sum = {0.0f, 0.0f, 0.0f}; // over the shadow rays
@@ -258,8 +271,13 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
             }
         }
         shadow_lanes_add(&hits, sum, paths);
+        if (scatters != 0)
+            scatter_eight(&going, settings, batch, bounce, hits.slots, hits.lambert, hits.others,
+                          &hits.b, shades, rays, paths, points, places, counters, queue_out);
     }
+    scatter_run_end(&going, counters, bounce, queue_out);
 #else
+    QUEUE_LOCAL(run);
     for (uint i = queue_first(&counters[bounce].direct_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].direct_head, run)) {
         if (i >= count)

@@ -6,33 +6,48 @@
 //   next  scatter
 //
 // Variants: those of trace; ENV_MAP: there is an environment. With SHADE_LANES (lib/shade_lanes.h)
-// shadow rays of eight hits are drawn side by side where nothing but the Lambert term is left.
+// shadow rays of eight hits are drawn side by side where nothing but the Lambert term is left, and
+// the stage does the work of scatter and compact, too, as direct where it is the last.
+
+#include "lib/shade_lanes.h"
+
+#if SHADE_LANES
+#define WG_TRACE 1 // an item takes a run
+#endif
 
 #include "lib/bsdf.h"
 #include "lib/environment.h"
 #include "lib/queue.h"
 #include "lib/samples.h"
+#include "lib/scatter.h"
 #include "lib/shadow_lanes.h"
 #include "lib/traverse.h"
 #include "shared/light.h"
 #include "shared/settings.h"
 
 // What shadow rays are drawn from: the directional lights, and after them the environment.
-#if ENV_MAP
-#define DIRECTIONAL_PARAMETERS                                                                     \
-    __constant struct settings *settings, const uint bounce,                                       \
-        __global const struct directional_light *restrict lights, const struct batch batch,        \
-        const struct environment_map map, __global const float4 *restrict map_texels,              \
-        __global const struct environment_alias *restrict map_alias,                               \
-        __global const uint4 *restrict points, __global const uint *restrict places
-#define DIRECTIONAL_ARGUMENTS                                                                      \
-    settings, bounce, lights, batch, map, map_texels, map_alias, points, places
-#define DIRECTIONAL_COUNT(settings) ((settings)->directional_count + 1)
-#else
-#define DIRECTIONAL_PARAMETERS                                                                     \
+#define DIRECTIONAL_LIGHTS                                                                         \
     __constant struct settings *settings, const uint bounce,                                       \
         __global const struct directional_light *restrict lights
-#define DIRECTIONAL_ARGUMENTS       settings, bounce, lights
+#define DIRECTIONAL_NUMBERS                                                                        \
+    const struct batch batch, __global const uint4 *restrict points,                               \
+        __global const uint *restrict places
+#if ENV_MAP
+#define DIRECTIONAL_PARAMETERS                                                                     \
+    DIRECTIONAL_LIGHTS, DIRECTIONAL_NUMBERS, const struct environment_map map,                     \
+        __global const float4 *restrict map_texels,                                                \
+        __global const struct environment_alias *restrict map_alias
+#define DIRECTIONAL_ARGUMENTS                                                                      \
+    settings, bounce, lights, batch, points, places, map, map_texels, map_alias
+#define DIRECTIONAL_COUNT(settings) ((settings)->directional_count + 1)
+#else
+#if SHADE_LANES
+#define DIRECTIONAL_PARAMETERS DIRECTIONAL_LIGHTS, DIRECTIONAL_NUMBERS
+#define DIRECTIONAL_ARGUMENTS  settings, bounce, lights, batch, points, places
+#else
+#define DIRECTIONAL_PARAMETERS DIRECTIONAL_LIGHTS
+#define DIRECTIONAL_ARGUMENTS  settings, bounce, lights
+#endif
 #define DIRECTIONAL_COUNT(settings) ((settings)->directional_count)
 #endif
 
@@ -126,21 +141,26 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
 #endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
-    TRACED_PARAMETERS, __global const uint *restrict queue,
-    __global const struct ray *restrict rays, __global const struct shade *restrict shades,
-    __global struct path *restrict paths, __global struct counters *counters,
-    DIRECTIONAL_PARAMETERS)
+    TRACED_PARAMETERS, __global const uint *restrict queue, SCATTER_RAYS,
+    __global const struct shade *restrict shades, __global struct path *restrict paths,
+    __global struct counters *counters, DIRECTIONAL_PARAMETERS
+#if SHADE_LANES
+    ,
+    SCATTER_PARAMETERS
+#endif
+)
 {
     TRACED_SCENE(scene);
     const uint ray_count = DIRECTIONAL_COUNT(settings);
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
-    QUEUE_LOCAL(run);
 #if SHADE_LANES
-    SHADOW_LANES_LOOP(&counters[bounce].directional_head, count)
+    struct scatter_run going;
+    going.count = 0;
+    SHADOW_LANES_LOOP(i, &counters[bounce].directional_head, count)
     {
         struct shadow_lanes_hits hits;
-        if (!shadow_lanes_load(&hits, queue, i * LANES, count, rays, paths, shades))
+        if (!shadow_lanes_load(&hits, queue, i, count, rays, paths, shades))
             continue;
         struct lanes3 sum = {0.0f, 0.0f, 0.0f}; // over the shadow rays
         for (uint k = 0; k < ray_count; k++) {
@@ -159,8 +179,13 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
                              shadow_lanes_trace(&shadows, nodes, &scene, hits.slots, open, rays));
         }
         shadow_lanes_add(&hits, sum, paths);
+        if (scatters != 0)
+            scatter_eight(&going, settings, batch, bounce, hits.slots, hits.lambert, hits.others,
+                          &hits.b, shades, rays, paths, points, places, counters, queue_out);
     }
+    scatter_run_end(&going, counters, bounce, queue_out);
 #else
+    QUEUE_LOCAL(run);
     for (uint i = queue_first(&counters[bounce].directional_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].directional_head, run)) {
         if (i >= count)

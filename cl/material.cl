@@ -71,9 +71,8 @@ static inline float material_number(__constant struct settings *settings,
 
 #if PREFETCHES && MATERIAL_LANES
 
-#define WARM_TEXELS    8u  // hits ahead of the one that is shaded; each step finds in the cache
-#define WARM_VERTICES  16u // what the one before has asked for
-#define WARM_TRIANGLES 24u
+#define WARM_VERTICES  16u   // hits ahead of the one that is shaded; each step finds in the cache
+#define WARM_TRIANGLES 24u   // what the one before has asked for, the last one texels
 #define WARM_LEAST     4096u // triangles of a scene that does not stay in the cache by itself
 
 // Asks for what later hits of the queue will read: of Sponza's bounces it saves a third of this
@@ -82,9 +81,7 @@ static inline float material_number(__constant struct settings *settings,
 static inline void material_warm(const uint i, const uint end, const uint triangle_count,
                                  __global const uint *order, __global const struct hit *hits,
                                  __global const struct triangle *triangles,
-                                 __global const struct vertex *vertices,
-                                 __global const struct material *materials,
-                                 __global const uint *texels)
+                                 __global const struct vertex *vertices)
 {
     if (i + WARM_TRIANGLES >= end)
         return;
@@ -98,14 +95,6 @@ static inline void material_warm(const uint i, const uint end, const uint triang
         PREFETCH(&vertices[tri.v0]);
         PREFETCH(&vertices[tri.v1]);
         PREFETCH(&vertices[tri.v2]);
-    }
-
-    const struct hit near = hits[order[i + WARM_TEXELS]];
-    if (near.triangle < triangle_count) {
-        const struct triangle tri = triangles[near.triangle];
-        texture_warm(texels, &materials[tri.material].textures[TEXTURE_BASE],
-                     surface_blend(vertices[tri.v0].uv, vertices[tri.v1].uv, vertices[tri.v2].uv,
-                                   near.u, near.v));
     }
 }
 
@@ -165,26 +154,30 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #endif
 #if MATERIAL_LANES
     const struct surface surface = {vertices, colors, triangles, materials, texels};
+    struct material_lanes_hits eights[2]; // in turns: what the one that is shaded has hit, and the
+                                          // next one
     SHADE_LANES_LOOP(place, end)
     {
-        uint slots[LANES];
-        const uint used = shade_lanes_slots(slots, order, place, end);
+        const struct material_lanes_hits *eight = &eights[(place / LANES) & 1u];
+        if (place % SHADE_RUN == 0)
+            material_lanes_meet(&eights[(place / LANES) & 1u], order, place, end, hits, &surface);
 #if PREFETCHES
         if (settings->triangle_count > WARM_LEAST)
             for (uint i = place; i < place + LANES; i++)
-                material_warm(i, end, settings->triangle_count, order, hits, triangles, vertices,
-                              materials, texels);
+                material_warm(i, end, settings->triangle_count, order, hits, triangles, vertices);
 #endif
-        uint rest =
-            material_lanes(settings, bounce, slots, used, hits, &surface, triangle_emitters, lights,
-                           shapes, light_nodes, light_parents, light_leaves, rays, paths, shades);
-        for (; rest != 0; rest &= rest - 1)
+        if ((place + LANES) % SHADE_RUN != 0 && place + LANES < end)
+            material_lanes_meet(&eights[(place / LANES + 1) & 1u], order, place + LANES, end, hits,
+                                &surface);
+        material_lanes(settings, bounce, eight, &surface, triangle_emitters, lights, shapes,
+                       light_nodes, light_parents, light_leaves, rays, paths, shades);
+        for (uint rest = eight->others; rest != 0; rest &= rest - 1)
 #else
     for (uint i = first + get_global_id(0); i < end; i += get_global_size(0))
 #endif
         {
 #if MATERIAL_LANES
-            const uint slot = slots[lanes_lowest(rest)];
+            const uint slot = eight->slots[lanes_lowest(rest)];
 #else
         const uint slot = order[i];
 #endif

@@ -202,6 +202,15 @@ static inline float8 lanes3_max(const struct lanes3 a)
     return max8(max8(a.x, a.y), a.z);
 }
 
+// The largest whole numbers that are not larger. PoCL's floor() is a function, and takes as long as
+// ten products.
+static inline float8 lanes_floor(const float8 x)
+{
+    const float8 cut = convert_float8(convert_int8(x));
+    const float8 below = cut - (cut > x ? (float8)(1.0f) : (float8)(0.0f));
+    return fabs(x) < 8388608.0f ? below : x; // from 2^23 on all are whole
+}
+
 // ---- Twins of what single paths use
 
 // oct_unpack(), normalised.

@@ -11,18 +11,29 @@
 #include "lib/light_sampler.h"
 #include "lib/material_bsdf.h"
 #include "lib/shade_lanes.h"
+#include "lib/texture_lanes.h"
+
+#if SHADE_LANES
 
 // What keeps a material from being shaded here.
 #define MATERIAL_LANES_NOT                                                                         \
     (MATERIAL_UNLIT | MATERIAL_VERTEX_COLOR | MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP |     \
      MATERIAL_LAYERED)
 
-// Where the lanes' rays have met what.
+// Where eight rays have met what. Lanes that hit nothing take part as if they had hit the first
+// triangle.
 struct material_lanes_hits {
+    uint slots[LANES];
+    uint missed; // bits of slots whose rays hit nothing
+    uint own;    // of those that are shaded here
+    uint others; // of the rest
     uint triangle[LANES];
     uint material[LANES];
     uint v0[LANES], v1[LANES], v2[LANES];
-    float u[LANES], v[LANES];
+    float8 t, u, v;
+    uint8 flags;               // of the materials
+    uint textured;             // bits of slots shaded here that have a texture of the base colour
+    struct texture_lanes base; // where its texels are
 };
 
 // BSDFs, lane by lane.
@@ -38,24 +49,24 @@ struct material_lanes_bsdf {
 static inline float4 material_lanes_uv(const struct surface *s, const struct material_lanes_hits *h,
                                        const uint k)
 {
+    const float8 u = h->u;
+    const float8 v = h->v;
     return surface_blend(s->vertices[h->v0[k]].uv, s->vertices[h->v1[k]].uv,
-                         s->vertices[h->v2[k]].uv, h->u[k], h->v[k]);
+                         s->vertices[h->v2[k]].uv, ((const float *)&u)[k], ((const float *)&v)[k]);
 }
 
-// Multiplies the colours of those lanes that have a bit with one of their textures.
-static inline struct lanes3 material_lanes_texture(const struct surface *s,
-                                                   const struct material_lanes_hits *h, uint bits,
-                                                   const uint use, const struct lanes3 color)
+// The texture coordinates of all lanes.
+static inline struct lanes4 material_lanes_all_uv(const struct surface *s,
+                                                  const struct material_lanes_hits *h)
 {
-    const float8 one = (float8)(1.0f);
-    struct lanes3 texels = {one, one, one};
-    for (; bits != 0; bits &= bits - 1) {
-        const uint k = lanes_lowest(bits);
-        const float4 texel = texture_fetch_pool(
-            s->texels, &s->materials[h->material[k]].textures[use], material_lanes_uv(s, h, k));
-        texels = lanes3_put(texels, k, texel.xyz);
-    }
-    return lanes3_mul(color, texels);
+    const struct lanes4 a = LANES_OF(s->vertices, h->v0, .uv);
+    const struct lanes4 b = LANES_OF(s->vertices, h->v1, .uv);
+    const struct lanes4 c = LANES_OF(s->vertices, h->v2, .uv);
+    const float8 w = 1.0f - h->u - h->v;
+    const struct lanes4 out = {w * a.x + h->u * b.x + h->v * c.x, w * a.y + h->u * b.y + h->v * c.y,
+                               w * a.z + h->u * b.z + h->v * c.z,
+                               w * a.w + h->u * b.w + h->v * c.w};
+    return out;
 }
 
 // Lanes whose materials have a texture of this use.
@@ -64,6 +75,53 @@ static inline uint material_lanes_textured(const struct surface *s,
 {
     const uint8 flags = LANES_WORD(uint8, s->materials, h->material, .textures[use].flags);
     return lanes_bits((flags & TEXTURE_PRESENT) != 0u);
+}
+
+// Sees what was hit by the eight from place `first` of the queue on, and asks for its texels.
+static inline void material_lanes_meet(struct material_lanes_hits *h,
+                                       __global const uint *restrict order, const uint first,
+                                       const uint end, __global const struct hit *hits,
+                                       const struct surface *s)
+{
+    const uint used = shade_lanes_slots(h->slots, order, first, end);
+    const struct lanes4 hit = LANES_OF(((__global const float4 *)hits), h->slots, );
+    const uint8 triangle = as_uint8(hit.w);
+    const uint met = used & lanes_bits(triangle != HIT_NONE);
+    vstore8(triangle != HIT_NONE ? triangle : (uint8)(0u), 0, h->triangle);
+    const struct lanes4 tri = LANES_OF(((__global const float4 *)s->triangles), h->triangle, );
+    vstore8(as_uint8(tri.x), 0, h->v0);
+    vstore8(as_uint8(tri.y), 0, h->v1);
+    vstore8(as_uint8(tri.z), 0, h->v2);
+    vstore8(as_uint8(tri.w), 0, h->material);
+    h->t = hit.x;
+    h->u = hit.y;
+    h->v = hit.z;
+    h->flags = LANES_WORD(uint8, s->materials, h->material, .flags);
+    h->missed = used & ~met;
+    h->own = met & lanes_bits((h->flags & MATERIAL_LANES_NOT) == 0u);
+    h->others = met & ~h->own;
+    h->textured = h->own & lanes_bits((h->flags & MATERIAL_LAMBERT) != 0u) &
+                  material_lanes_textured(s, h, TEXTURE_BASE);
+    if (h->textured == 0)
+        return;
+    texture_lanes_find(&h->base, s->materials, h->material, TEXTURE_BASE, h->textured,
+                       material_lanes_all_uv(s, h));
+#if PREFETCHES
+    texture_lanes_warm(&h->base, h->textured, s->texels);
+#endif
+}
+
+// Multiplies the emission of those lanes that have a bit with its texture.
+static inline struct lanes3 material_lanes_emission(const struct surface *s,
+                                                    const struct material_lanes_hits *h,
+                                                    const uint bits, const struct lanes3 emission)
+{
+    if (bits == 0)
+        return emission;
+    struct texture_lanes lanes;
+    texture_lanes_find(&lanes, s->materials, h->material, TEXTURE_EMISSIVE, bits,
+                       material_lanes_all_uv(s, h));
+    return lanes3_mul(emission, texture_lanes_fetch(&lanes, bits, s->texels));
 }
 
 // Looks up one lane that is more than Lambert.
@@ -106,47 +164,35 @@ static inline void material_lanes_look_up(struct material_lanes_bsdf *out,
     out->bits[k] = PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE) | bsdf_bits(&b);
 }
 
-// Shades those of the slots that have a bit and can be shaded here. Returns bits of the rest.
-static inline uint material_lanes(
-    __constant struct settings *settings, const uint bounce, const uint *slots, const uint used,
-    __global const struct hit *hits, const struct surface *s,
-    __global const uint *triangle_emitters, __global const struct light *lights,
-    __global const struct light_shape *shapes, __global const float4 *light_nodes,
-    __global const uint *light_parents, __global const uint *light_leaves,
-    __global struct ray *rays, __global struct path *paths, __global struct shade *shades)
+// Shades those of the eight that are shaded here, and ends the paths of those that hit nothing.
+static inline void material_lanes(__constant struct settings *settings, const uint bounce,
+                                  const struct material_lanes_hits *h, const struct surface *s,
+                                  __global const uint *triangle_emitters,
+                                  __global const struct light *lights,
+                                  __global const struct light_shape *shapes,
+                                  __global const float4 *light_nodes,
+                                  __global const uint *light_parents,
+                                  __global const uint *light_leaves, __global struct ray *rays,
+                                  __global struct path *paths, __global struct shade *shades)
 {
-    // See what was hit. Lanes that hit nothing take part as if they had hit the first triangle.
-    const struct lanes4 hit = LANES_OF(((__global const float4 *)hits), slots, );
-    const uint8 triangle = as_uint8(hit.w);
-    const uint met = used & lanes_bits(triangle != HIT_NONE);
-    for (uint missed = used & ~met; missed != 0; missed &= missed - 1)
-        paths[slots[lanes_lowest(missed)]].throughput_bits.w = as_float(0u);
-    if (met == 0)
-        return 0;
-    struct material_lanes_hits h;
-    vstore8(triangle != HIT_NONE ? triangle : (uint8)(0u), 0, h.triangle);
-    vstore8(hit.y, 0, h.u);
-    vstore8(hit.z, 0, h.v);
-    const struct lanes4 tri = LANES_OF(((__global const float4 *)s->triangles), h.triangle, );
-    vstore8(as_uint8(tri.x), 0, h.v0);
-    vstore8(as_uint8(tri.y), 0, h.v1);
-    vstore8(as_uint8(tri.z), 0, h.v2);
-    vstore8(as_uint8(tri.w), 0, h.material);
-    const uint8 flags = LANES_WORD(uint8, s->materials, h.material, .flags);
-    const uint own = met & lanes_bits((flags & MATERIAL_LANES_NOT) == 0u);
-    if (own == 0)
-        return met;
+    for (uint missed = h->missed; missed != 0; missed &= missed - 1)
+        paths[h->slots[lanes_lowest(missed)]].throughput_bits.w = as_float(0u);
+    if (h->own == 0)
+        return;
+    const uint *slots = h->slots;
+    const uint own = h->own;
+    const uint8 flags = h->flags;
     const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
     const bool last = bounce + 1 == settings->depth;
 
     // Find the points and their normals.
-    const struct lanes4 row0 = LANES_OF(s->vertices, h.v0, .pos_normal);
-    const struct lanes4 row1 = LANES_OF(s->vertices, h.v1, .pos_normal);
-    const struct lanes4 row2 = LANES_OF(s->vertices, h.v2, .pos_normal);
+    const struct lanes4 row0 = LANES_OF(s->vertices, h->v0, .pos_normal);
+    const struct lanes4 row1 = LANES_OF(s->vertices, h->v1, .pos_normal);
+    const struct lanes4 row2 = LANES_OF(s->vertices, h->v2, .pos_normal);
     const struct lanes3 corner = lanes3_xyz(row0);
     const struct lanes3 edge1 = lanes3_sub(lanes3_xyz(row1), corner);
     const struct lanes3 edge2 = lanes3_sub(lanes3_xyz(row2), corner);
-    const struct lanes3 p = lanes3_muladd(edge1, hit.y, lanes3_muladd(edge2, hit.z, corner));
+    const struct lanes3 p = lanes3_muladd(edge1, h->u, lanes3_muladd(edge2, h->v, corner));
     const struct lanes4 ray_dir = LANES_OF(rays, slots, .dir);
     const struct lanes3 dir = lanes3_xyz(ray_dir);
     struct lanes3 geometric = lanes3_normalize(lanes3_cross(edge1, edge2));
@@ -159,15 +205,14 @@ static inline uint material_lanes(
     const uint8 path_bits = as_uint8(throughput_bits.w);
     struct lanes3 throughput = lanes3_xyz(throughput_bits);
     struct lanes3 radiance = lanes3_xyz(radiance_normal);
-    const struct lanes4 emission_row = LANES_OF(s->materials, h.material, .emission);
+    const struct lanes4 emission_row = LANES_OF(s->materials, h->material, .emission);
     struct lanes3 emission = lanes3_xyz(emission_row);
     const int8 shines =
         (front | ((flags & MATERIAL_EMITS_BACK) != 0u)) & (lanes3_max(emission) > 0.0f);
     const uint shining = measures ? 0u : own & lanes_bits(shines);
     if (shining != 0) {
-        emission = material_lanes_texture(
-            s, &h, shining & material_lanes_textured(s, &h, TEXTURE_EMISSIVE), TEXTURE_EMISSIVE,
-            emission);
+        emission = material_lanes_emission(
+            s, h, shining & material_lanes_textured(s, h, TEXTURE_EMISSIVE), emission);
         const struct lanes3 before = lanes_oct_unpack(as_uint8(radiance_normal.w));
         const uint met_by_light =
             shining & lanes_bits((path_bits & PATH_SPECULAR) == 0u); // may be found by lights
@@ -177,11 +222,11 @@ static inline uint material_lanes(
         vstore8(before.x, 0, normal[0]);
         vstore8(before.y, 0, normal[1]);
         vstore8(before.z, 0, normal[2]);
-        vstore8(hit.x, 0, t);
+        vstore8(h->t, 0, t);
         vstore8(ray_dir.w, 0, densities);
         for (uint rest = met_by_light; rest != 0; rest &= rest - 1) {
             const uint k = lanes_lowest(rest);
-            const uint emitter = triangle_emitters[h.triangle[k]];
+            const uint emitter = triangle_emitters[h->triangle[k]];
             if (emitter == EMITTER_NONE)
                 continue;
             const float3 org = rays[slots[k]].org.xyz;
@@ -197,9 +242,9 @@ static inline uint material_lanes(
 
     // Turn the normals to the viewer; a shading normal that looks away is of no use.
     const struct lanes3 blended =
-        lanes3_muladd(lanes_oct_unpack(as_uint8(row0.w)), 1.0f - hit.y - hit.z,
-                      lanes3_muladd(lanes_oct_unpack(as_uint8(row1.w)), hit.y,
-                                    lanes3_scale(lanes_oct_unpack(as_uint8(row2.w)), hit.z)));
+        lanes3_muladd(lanes_oct_unpack(as_uint8(row0.w)), 1.0f - h->u - h->v,
+                      lanes3_muladd(lanes_oct_unpack(as_uint8(row1.w)), h->u,
+                                    lanes3_scale(lanes_oct_unpack(as_uint8(row2.w)), h->v)));
     struct lanes3 normal =
         lanes3_select(lanes3_dot(blended, blended) > 0.0f, lanes3_normalize(blended), geometric);
     const float8 turned = lanes3_dot(normal, geometric) < 0.0f ? (float8)(-1.0f) : (float8)(1.0f);
@@ -209,7 +254,7 @@ static inline uint material_lanes(
     normal = lanes3_select(lanes3_dot(normal, dir) < -1e-4f, normal, geometric);
 
     // Find their BSDFs.
-    const struct lanes4 base = LANES_OF(s->materials, h.material, .base);
+    const struct lanes4 base = LANES_OF(s->materials, h->material, .base);
     const uint lambert = measures ? 0xffu : lanes_bits((flags & MATERIAL_LAMBERT) != 0u);
     struct lanes3 diffuse = lanes3_xyz(base);
     struct lanes3 f0 = {0.0f, 0.0f, 0.0f};
@@ -219,10 +264,8 @@ static inline uint material_lanes(
     if (measures) { // f = 1 / pi, so that pi times what leaves is the irradiance
         diffuse = lanes3_make(1.0f, 1.0f, 1.0f);
         throughput = lanes3_scale(throughput, PI);
-    } else {
-        const uint textured = own & lambert & material_lanes_textured(s, &h, TEXTURE_BASE);
-        if (textured != 0)
-            diffuse = material_lanes_texture(s, &h, textured, TEXTURE_BASE, diffuse);
+    } else if (h->textured != 0) {
+        diffuse = lanes3_mul(diffuse, texture_lanes_fetch(&h->base, h->textured, s->texels));
     }
     if (own & ~lambert) {
         struct material_lanes_bsdf b;
@@ -247,8 +290,7 @@ static inline uint material_lanes(
         vstore8(dir.z, 0, d[2]);
         for (uint rest = own & ~lambert; rest != 0; rest &= rest - 1) {
             const uint k = lanes_lowest(rest);
-            material_lanes_look_up(&b, settings, last, s, &h, k,
-                                   (float3)(g[0][k], g[1][k], g[2][k]),
+            material_lanes_look_up(&b, settings, last, s, h, k, (float3)(g[0][k], g[1][k], g[2][k]),
                                    -(float3)(d[0][k], d[1][k], d[2][k]));
         }
         diffuse =
@@ -275,7 +317,8 @@ static inline uint material_lanes(
     shade.z = lanes_pack_shares(f0.x, f0.y);
     shade.w = lanes_pack_shares(f0.z, f90);
     LANES_STORE(((__global float4 *)shades), slots, , own, shade);
-    return met & ~own;
 }
+
+#endif
 
 #endif

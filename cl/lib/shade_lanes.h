@@ -20,7 +20,7 @@
 
 #if SHADE_LANES
 
-#define SHADE_RUN 128u // slots that a work item takes at once
+#define SHADE_RUN PATH_RUN
 
 // Goes through the work item's slots by eights: i is the place of the first in the queue.
 #define SHADE_LANES_LOOP(i, count)                                                                 \

@@ -50,11 +50,14 @@ struct shadow_lanes_hits {
     struct lambert_lanes b;
 };
 
-// Goes through a queue by eights: i is the number of an eight. `run` is in scope as QUEUE_LOCAL.
-#define SHADOW_LANES_LOOP(head, count)                                                             \
-    for (uint i = queue_first(head, run); queue_group(i) * LANES < (count);                        \
-         i = queue_next(i, head, run))                                                             \
-        if (i * LANES < (count))
+// Goes through a queue by eights: i is the place of the first.
+#if PERSISTENT
+#define SHADOW_LANES_LOOP(i, head, count)                                                          \
+    QUEUE_LOCAL(run);                                                                              \
+    for (uint i = queue_first(head, run) * LANES; i < (count); i = queue_next(i, head, run) * LANES)
+#else
+#define SHADOW_LANES_LOOP(i, head, count) SHADE_LANES_LOOP(i, count)
+#endif
 
 // Reads the eight from place `first` of the queue on. Returns whether one is to be lit.
 static inline bool shadow_lanes_load(struct shadow_lanes_hits *out, __global const uint *queue,

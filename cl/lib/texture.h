@@ -9,7 +9,6 @@
 #ifndef LIB_TEXTURE_H
 #define LIB_TEXTURE_H
 
-#include "lib/prefetch.h"
 #include "lib/srgb.h"
 #include "shared/material.h"
 
@@ -135,29 +134,6 @@ static inline float4 texture_fetch_pool(__global const uint *restrict texels,
                          texture_texel_pool(texels, first, width, x.far, y.far), x.blend, y.blend,
                          srgb);
 }
-
-#if PREFETCHES
-
-// Asks for the texels that texture_fetch_pool() will read.
-static inline void texture_warm(__global const uint *texels,
-                                __global const struct texture_slot *slot, const float4 uv)
-{
-    const uint flags = slot->flags;
-    if (!(flags & TEXTURE_PRESENT))
-        return;
-    const float2 at = texture_uv(slot, uv);
-    const int width = (int)(slot->size & 0xffffu);
-    const int height = (int)(slot->size >> 16);
-    const bool nearest = (flags & TEXTURE_NEAREST) != 0;
-    const struct texture_taps x =
-        texture_wrap_axis(at.x, width, (flags >> TEXTURE_WRAP_S_SHIFT) & 3u, nearest);
-    const struct texture_taps y =
-        texture_wrap_axis(at.y, height, (flags >> TEXTURE_WRAP_T_SHIFT) & 3u, nearest);
-    PREFETCH(&texels[slot->texel_first + (uint)(y.near * width + x.near)]);
-    PREFETCH(&texels[slot->texel_first + (uint)(y.far * width + x.near)]);
-}
-
-#endif
 
 #if TEXTURE_IMAGES
 

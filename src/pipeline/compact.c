@@ -21,7 +21,7 @@ enum status compact_enqueue(const struct compact *compact, const struct stage_co
 {
     const struct wavefront *w = context->wavefront;
     const struct buffer *queue = stage_queue(context);
-    const struct buffer *next = &w->queue[(context->bounce + 1) & 1];
+    const struct buffer *next = stage_next_queue(context);
     const struct kernel_arg count[] = {
         ARG_BUFFER(&w->counters), ARG_VALUE(context->bounce), ARG_BUFFER(queue),
         ARG_BUFFER(&w->paths),    ARG_BUFFER(&w->totals),

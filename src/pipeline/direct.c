@@ -26,8 +26,12 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
         ARG_BUFFER(&w->counters),
         ARG_BUFFER(&w->points),
         ARG_BUFFER(&w->places),
+        // From here on only on CPUs.
+        ARG_VALUE(context->scatters),
+        ARG_BUFFER(stage_next_queue(context)),
     };
-    return kernel_enqueue(context->gpu, &direct->kernel, args, sizeof(args) / sizeof(args[0]),
+    const size_t count = sizeof(args) / sizeof(args[0]) - (context->gpu->info.is_cpu ? 0 : 2);
+    return kernel_enqueue(context->gpu, &direct->kernel, args, count,
                           stage_light_items(context, &direct->kernel));
 }
 

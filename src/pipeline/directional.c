@@ -12,7 +12,9 @@ enum status directional_enqueue(const struct directional *directional,
 {
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
-    const struct kernel_arg args[] = {
+    const bool has_map = scene->map.width > 0;
+    const bool is_cpu = context->gpu->info.is_cpu;
+    struct kernel_arg args[32] = {
         ARGS_TRACED(scene, directional->layout),
         ARG_BUFFER(stage_queue(context)),
         ARG_BUFFER(&w->rays),
@@ -22,15 +24,22 @@ enum status directional_enqueue(const struct directional *directional,
         ARG_BUFFER(&w->settings),
         ARG_VALUE(context->bounce),
         ARG_BUFFER(&scene->directional),
-        // From here on only where there is an environment.
-        ARG_VALUE(context->batch),
-        ARG_VALUE(scene->map),
-        ARG_BUFFER(&scene->map_texels),
-        ARG_BUFFER(&scene->map_alias),
-        ARG_BUFFER(&w->points),
-        ARG_BUFFER(&w->places),
     };
-    const size_t count = sizeof(args) / sizeof(args[0]) - (scene->map.width > 0 ? 0 : 6);
+    size_t count = 16; // arguments that every variant takes
+    if (has_map || is_cpu) {
+        args[count++] = (struct kernel_arg)ARG_VALUE(context->batch);
+        args[count++] = (struct kernel_arg)ARG_BUFFER(&w->points);
+        args[count++] = (struct kernel_arg)ARG_BUFFER(&w->places);
+    }
+    if (has_map) {
+        args[count++] = (struct kernel_arg)ARG_VALUE(scene->map);
+        args[count++] = (struct kernel_arg)ARG_BUFFER(&scene->map_texels);
+        args[count++] = (struct kernel_arg)ARG_BUFFER(&scene->map_alias);
+    }
+    if (is_cpu) {
+        args[count++] = (struct kernel_arg)ARG_VALUE(context->scatters);
+        args[count++] = (struct kernel_arg)ARG_BUFFER(stage_next_queue(context));
+    }
     return kernel_enqueue(context->gpu, &directional->kernel, args, count,
                           stage_light_items(context, &directional->kernel));
 }

@@ -75,7 +75,7 @@ enum status material_enqueue(const struct material_stage *material,
         return enqueue_bound(material, context, args, shared_count);
     args[shared_count] = (struct kernel_arg)ARG_BUFFER(&scene->texels);
     return kernel_enqueue(context->gpu, &material->kernel, args, shared_count + 1,
-                          stage_shade_items(context, &material->kernel));
+                          stage_shade_items(context));
 }
 
 void material_free(struct material_stage *material)

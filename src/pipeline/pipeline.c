@@ -17,13 +17,16 @@ enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, COMPACT, STAGE_COUNT 
 enum form_stage { TRACE, DIRECT, DIRECTIONAL, FORM_STAGE_COUNT };
 
 static bool needs_stage(enum stage stage, const struct device_scene *scene,
-                        const struct program_options *options)
+                        const struct pipeline *p)
 {
     switch (stage) {
     case ENVIRONMENT:
         return has_environment(scene);
     case SORT:
-        return options->textures_bound;
+        return p->options.textures_bound;
+    case SCATTER:
+    case COMPACT:
+        return !p->light_scatters;
     default:
         return true;
     }
@@ -79,9 +82,8 @@ static enum status build_job(struct pipeline *p, int job, const struct gpu *gpu,
                              const struct device_scene *scene, uint32_t *built)
 {
     if (job < STAGE_COUNT)
-        return needs_stage((enum stage)job, scene, &p->options)
-                   ? build_stage(p, (enum stage)job, gpu, built)
-                   : STATUS_OK;
+        return needs_stage((enum stage)job, scene, p) ? build_stage(p, (enum stage)job, gpu, built)
+                                                      : STATUS_OK;
     struct pipeline_form *form = &p->forms[(job - STAGE_COUNT) / FORM_STAGE_COUNT];
     const enum form_stage stage = (enum form_stage)((job - STAGE_COUNT) % FORM_STAGE_COUNT);
     return needs_form_stage(stage, scene, form) ? build_form_stage(form, stage, gpu, built)
@@ -100,9 +102,11 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     const int job_count = STAGE_COUNT + FORM_STAGE_COUNT * (int)form_count;
     for (uint32_t i = 0; i < form_count; i++)
         p.forms[i] = forms[i];
+    // Where forms are compared, each lights the same hits.
+    p.light_scatters = gpu->info.is_cpu && pipeline_has_shadows(scene) && form_count == 1;
 
-        // A compiler of its own for each stage; PoCL has only one, and compiles at the first
-        // launch.
+    // A compiler of its own for each stage; PoCL has only one, and compiles at the first
+    // launch.
 #pragma omp parallel for schedule(dynamic, 1) num_threads(gpu->info.is_cpu ? 1 : job_count)
     for (int i = 0; i < job_count; i++)
         statuses[i] = build_job(&p, i, gpu, scene, &built[i]);
@@ -191,10 +195,13 @@ enum status pipeline_shade(const struct pipeline *p, const struct stage_context 
 enum status pipeline_light(const struct pipeline *p, uint32_t form,
                            const struct stage_context *context)
 {
+    const bool has_far = has_far_lights(context->scene);
+    struct stage_context near = *context;
+    near.scatters = context->scatters && !has_far;
     enum status status = STATUS_OK;
     if (context->scene->light_count > 0)
-        status = direct_enqueue(&p->forms[form].direct, context);
-    if (status == STATUS_OK && has_far_lights(context->scene))
+        status = direct_enqueue(&p->forms[form].direct, &near);
+    if (status == STATUS_OK && has_far)
         status = directional_enqueue(&p->forms[form].directional, context);
     return status;
 }
@@ -226,12 +233,14 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
     const uint32_t *form_of = pipeline->form_of;
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
+        const bool goes_on = context.bounce + 1 < bounces;
+        context.scatters = goes_on && pipeline->light_scatters;
         status = pipeline_trace(pipeline, form_of[pipeline_class(context.bounce)], &context);
         if (status == STATUS_OK)
             status = pipeline_shade(pipeline, &context);
         if (status == STATUS_OK && context.bounce < depth) // else emission is collected only
             status = pipeline_light(pipeline, form_of[RAYS_SHADOW], &context);
-        if (status == STATUS_OK && context.bounce + 1 < bounces)
+        if (status == STATUS_OK && goes_on && !context.scatters)
             status = pipeline_go_on(pipeline, &context);
         context.coherent = false;
     }

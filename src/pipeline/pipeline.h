@@ -35,11 +35,12 @@ struct pipeline {
     struct environment_stage environment; // unused without an environment
     struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
-    struct scatter scatter;
-    struct compact compact;
+    struct scatter scatter; // unused where light_scatters
+    struct compact compact; // as that
     struct pipeline_form forms[PIPELINE_FORMS_MAX];
     uint32_t form_count;
     uint32_t form_of[RAY_CLASSES]; // how rays are traced
+    bool light_scatters;           // the stage that adds the last light sends paths on, too
     struct program_options options;
     uint32_t built; // programs compiled from source
 };

@@ -9,7 +9,7 @@ enum status raygen_build(struct raygen *out, const struct gpu *gpu,
 enum status raygen_enqueue(const struct raygen *raygen, const struct stage_context *context)
 {
     const struct wavefront *w = context->wavefront;
-    const size_t shade_items = stage_shade_items(context, &raygen->kernel);
+    const size_t shade_items = stage_shade_items(context);
     const size_t items =
         shade_items > w->bounce_count ? shade_items : w->bounce_count; // it clears counters, too
     const struct kernel_arg args[] = {

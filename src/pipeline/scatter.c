@@ -22,7 +22,7 @@ enum status scatter_enqueue(const struct scatter *scatter, const struct stage_co
         ARG_BUFFER(&w->places),
     };
     return kernel_enqueue(context->gpu, &scatter->kernel, args, sizeof(args) / sizeof(args[0]),
-                          stage_shade_items(context, &scatter->kernel));
+                          stage_shade_items(context));
 }
 
 void scatter_free(struct scatter *scatter)

@@ -14,20 +14,26 @@ const struct buffer *stage_queue(const struct stage_context *context)
     return &context->wavefront->queue[context->bounce & 1];
 }
 
+const struct buffer *stage_next_queue(const struct stage_context *context)
+{
+    return &context->wavefront->queue[(context->bounce + 1) & 1];
+}
+
 size_t stage_loop_items(const struct stage_context *context, const struct kernel *kernel)
 {
     return (size_t)context->gpu->info.compute_units * LOOP_GROUPS * kernel->group_size;
 }
 
-size_t stage_shade_items(const struct stage_context *context, const struct kernel *kernel)
+size_t stage_shade_items(const struct stage_context *context)
 {
-    return context->gpu->info.is_cpu ? stage_loop_items(context, kernel) : context->batch.count;
+    const uint32_t count = context->batch.count;
+    return context->gpu->info.is_cpu ? (count + PATH_RUN - 1) / PATH_RUN : count;
 }
 
 size_t stage_light_items(const struct stage_context *context, const struct kernel *kernel)
 {
     if (!kernel->persistent && context->gpu->info.is_cpu)
-        return (context->batch.count + PATH_LANES - 1) / PATH_LANES;
+        return stage_shade_items(context);
     return stage_trace_items(context, kernel);
 }
 

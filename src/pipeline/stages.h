@@ -23,7 +23,8 @@ struct stage_context {
     const struct wavefront *wavefront;
     struct batch batch;
     uint32_t bounce;
-    bool coherent; // neighbours in the queue have rays that run alike
+    bool coherent;     // neighbours in the queue have rays that run alike
+    uint32_t scatters; // 1: the stage that adds the last light sends paths on, too; CPUs only
 };
 
 /** The arguments that every kernel that traces takes first: TRACED_PARAMETERS of cl/lib/traverse.h.
@@ -36,19 +37,20 @@ struct stage_context {
         ARG_BUFFER(&(scene)->triangles), ARG_BUFFER(&(scene)->materials),                          \
         ARG_BUFFER(&(scene)->texels)
 
-/** This bounce's queue. */
+/** This bounce's queue, and the next one's. */
 const struct buffer *stage_queue(const struct stage_context *context);
+const struct buffer *stage_next_queue(const struct stage_context *context);
 
 /** Work items of a kernel that loops until the work is done: enough to fill the device. */
 size_t stage_loop_items(const struct stage_context *context, const struct kernel *kernel);
 
-/** Work items of a kernel that shades: on CPUs it loops over lanes (cl/lib/shade_lanes.h). */
-size_t stage_shade_items(const struct stage_context *context, const struct kernel *kernel);
+/** Work items of a kernel that shades: on CPUs one for each run of paths (cl/lib/shade_lanes.h). */
+size_t stage_shade_items(const struct stage_context *context);
 
 /** Work items of a kernel that traces. */
 size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel);
 
-/** Work items of a kernel that draws shadow rays and traces them: on CPUs, one for all lanes. */
+/** Work items of a kernel that draws shadow rays and traces them: on CPUs as one that shades. */
 size_t stage_light_items(const struct stage_context *context, const struct kernel *kernel);
 
 struct raygen {

@@ -54,7 +54,7 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
     if (trace->few.handle != NULL && block_count <= FEW_BLOCKS) {
         args[count] = (struct kernel_arg)ARG_VALUE(block_count); // in place of the paths
         return kernel_enqueue(context->gpu, &trace->few, args, count + 1,
-                              stage_shade_items(context, &trace->few));
+                              stage_shade_items(context));
     }
     return kernel_enqueue(context->gpu, &trace->kernel, args, count,
                           stage_trace_items(context, &trace->kernel));

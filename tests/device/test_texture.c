@@ -109,31 +109,37 @@ static void fetch_bilinear(double *out, const struct texture *t, const double *u
 
 // ---- asking the device
 
+enum source { POOL, LANES, IMAGE, SOURCES };
+
+static const char *const kernel_names[SOURCES] = {"texture_from_pool", "texture_from_lanes",
+                                                  "texture_from_image"};
+
 static float4 *fetch(const struct fixture *f, const struct texture *t, const float4 *uvs,
-                     bool image)
+                     enum source source)
 {
     float4 *out = malloc(UVS * sizeof(*out));
-    struct buffer source;
-    if (image)
-        assert_ok(buffer_create_image(&source, f->gpu, t->width, t->height, t->texels + TEXEL_FIRST,
+    struct buffer texels;
+    if (source == IMAGE)
+        assert_ok(buffer_create_image(&texels, f->gpu, t->width, t->height, t->texels + TEXEL_FIRST,
                                       "a test's texture"));
     else
-        source = device_buffer(f->gpu, t->texels,
+        texels = device_buffer(f->gpu, t->texels,
                                (TEXEL_FIRST + t->width * t->height) * sizeof(uint32_t));
-    struct buffer slot = device_buffer(f->gpu, &t->slot, sizeof(t->slot));
+    struct material material = {.textures = {[TEXTURE_BASE] = t->slot}};
+    struct buffer slot = source == LANES ? device_buffer(f->gpu, &material, sizeof(material))
+                                         : device_buffer(f->gpu, &t->slot, sizeof(t->slot));
     struct buffer uv_buffer = device_buffer(f->gpu, uvs, UVS * sizeof(*uvs));
     struct buffer out_buffer = device_buffer(f->gpu, NULL, UVS * sizeof(*out));
     const uint32_t count = UVS;
-    const struct kernel_arg args[] = {ARG_BUFFER(&source), ARG_BUFFER(&slot),
+    const struct kernel_arg args[] = {ARG_BUFFER(&texels), ARG_BUFFER(&slot),
                                       ARG_BUFFER(&uv_buffer), ARG_VALUE(count),
                                       ARG_BUFFER(&out_buffer)};
-    DEVICE_RUN(f->gpu, &f->program, image ? "texture_from_image" : "texture_from_pool", args,
-               count);
+    DEVICE_RUN(f->gpu, &f->program, kernel_names[source], args, count);
     assert_ok(buffer_read(f->gpu, &out_buffer, out, UVS * sizeof(*out)));
     buffer_free(f->gpu, &out_buffer);
     buffer_free(f->gpu, &uv_buffer);
     buffer_free(f->gpu, &slot);
-    buffer_free(f->gpu, &source);
+    buffer_free(f->gpu, &texels);
     return out;
 }
 
@@ -202,13 +208,13 @@ static void check_nearest(const struct texture *t, const float4 *uvs, const floa
     }
 }
 
-// Asks the pool and, where there are any, an image. They need not agree to the last bit: compilers
-// may fuse products in one kernel and not in the other.
+// Asks the pool, by itself and by eights, and, where there are any, an image. They need not agree
+// to the last bit: compilers may fuse products in one kernel and not in the other.
 static void check_texture(const struct fixture *f, struct texture *t)
 {
     float4 *uvs = make_uvs(t);
-    for (int image = 0; image < (f->gpu->info.has_images ? 2 : 1); image++) {
-        float4 *found = fetch(f, t, uvs, image);
+    for (int source = POOL; source < (f->gpu->info.has_images ? SOURCES : IMAGE); source++) {
+        float4 *found = fetch(f, t, uvs, (enum source)source);
         if (t->slot.flags & TEXTURE_NEAREST)
             check_nearest(t, uvs, found);
         else
@@ -275,7 +281,7 @@ static void missing_textures_are_white(void **state)
     make_texture(&t, 3, 3, 0);
     t.slot.flags = 0;
     float4 *uvs = make_uvs(&t);
-    float4 *found = fetch(&f, &t, uvs, false);
+    float4 *found = fetch(&f, &t, uvs, POOL);
     for (uint32_t i = 0; i < UVS; i++)
         assert_true(found[i].x == 1.0f && found[i].y == 1.0f && found[i].z == 1.0f &&
                     found[i].w == 1.0f);

@@ -1,8 +1,9 @@
-// lib/texture.h: the pool and a bound image, asked the same.
+// lib/texture.h and its twin for eight hits: the pool and a bound image, asked the same.
 
 #define TEXTURE_IMAGES 1
 
 #include "lib/texture.h"
+#include "lib/texture_lanes.h"
 #include "test.h"
 
 TEST_KERNEL texture_from_pool(__global const uint *restrict texels,
@@ -12,6 +13,32 @@ TEST_KERNEL texture_from_pool(__global const uint *restrict texels,
     const uint i = get_global_id(0);
     if (i < count)
         out[i] = texture_fetch_pool(texels, slot, uvs[i]);
+}
+
+// As texture_from_pool(), by eights; count is a multiple. Alpha is not looked up so.
+TEST_KERNEL texture_from_lanes(__global const uint *restrict texels,
+                               __global const struct material *material, __global const float4 *uvs,
+                               const uint count, __global float4 *out)
+{
+    const uint first = get_global_id(0) * LANES;
+    if (first >= count)
+        return;
+    const uint every = (first / LANES) % 2 == 0 ? 0xffu : 0x5au; // others are to be white
+    const uint materials[LANES] = {0, 0, 0, 0, 0, 0, 0, 0};
+    uint places[LANES];
+    vstore8(first + (uint8)(0, 1, 2, 3, 4, 5, 6, 7), 0, places);
+    struct texture_lanes lanes;
+    texture_lanes_find(&lanes, material, materials, TEXTURE_BASE, every, LANES_OF(uvs, places, ));
+    const struct lanes3 found = texture_lanes_fetch(&lanes, every, texels);
+    LANES_STORE(out, places, , 0xffu, lanes4_make(found, (float8)(1.0f)));
+    for (uint i = first; i < first + LANES; i++) {
+        const float4 single = texture_fetch_pool(texels, &material->textures[TEXTURE_BASE], uvs[i]);
+        const bool is_white = all(out[i].xyz == 1.0f);
+        if (every & (1u << (i - first)))
+            out[i].w = single.w;
+        else
+            out[i] = is_white ? single : (float4)(-1.0f);
+    }
 }
 
 TEST_KERNEL texture_from_image(__read_only image2d_t image,
