@@ -2,8 +2,8 @@
  * @file
  * The direction in which a path goes on from its shaded hit: of one path, and where nothing but the
  * Lambert term is left, of eight side by side. For cl/scatter.cl, and on CPUs for the stage that
- * adds the last light: there the hit is at hand, four launches a bounce are saved, and paths of the
- * Cornell box take a tenth less time.
+ * adds the last light: there the hit is at hand and four launches a bounce are saved. With textures
+ * looked up by eights (lib/texture_lanes.h) paths of the Cornell box take 5 % less time for it.
  */
 #ifndef LIB_SCATTER_H
 #define LIB_SCATTER_H
