@@ -290,11 +290,15 @@ static void write_markdown(FILE *file, const struct bench_table *tables,
             "of a " THESIS_DEVICE ".\n\n"
             "Light tree, one camera a scene. Table 2: %g s a cell; %u and %u pixels a side%s. "
             "Table 3 and Figure 6: %u pixels, from event times. Figures 7 to 10: irradiance at %u "
-            "pixels, depth 5, about %g s for each curve.\n",
+            "pixels, depth 5, about %g s for each curve.%s\n",
             device->name, lk_version(), device->platform, device->driver, device->compute_units,
             plan->measure_s, plan->sizes[0], plan->sizes[1],
             plan->options->quick ? " where the thesis has 512 and 1024" : "", plan->sizes[1],
-            plan->sizes[0], plan->converge_s);
+            plan->sizes[0], plan->converge_s,
+            strcmp(device->type, "cpu") == 0
+                ? " The stage that adds the last light also sends paths on here: lighting, "
+                  "and a shadow ray's cost, hold that."
+                : "");
     bench_table_markdown(file, &tables[CONCLUSIONS]);
     bench_table_markdown(file, &tables[TABLE1]);
     fprintf(file, "\n![Table 1](table1.png)\n");
