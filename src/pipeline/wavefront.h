@@ -22,8 +22,8 @@ struct wavefront {
     struct buffer rays, hits, paths;         // [capacity] by slot; hits become shades in material
     struct buffer queue[2];                  // [capacity] slots of this bounce and of the next
     struct buffer counters;                  // [bounce_count]
-    struct buffer totals;                    // scratch of compact and sort
-    struct buffer keys[2], slots[2], ranges; // of sort; empty unless textures are bound
+    // Of sort; empty unless textures are bound.
+    struct buffer keys[2], slots[2], ranges, totals;
     uint32_t capacity;                       // paths
     uint32_t bounce_count;                   // sets of counters
 };
