@@ -195,16 +195,13 @@ static inline uint direct_weigh_lanes(struct shadow_lanes *out, const struct dir
 #else
 
 // Lights the hit of one slot. Returns the shadow rays that were traced.
-static inline uint direct_slot(BVH_NODES nodes, const struct traced *scene,
-                               __constant struct settings *settings, const struct batch batch,
-                               const uint bounce, __global const struct light *restrict lights,
-                               __global const struct light_shape *restrict shapes,
-                               __global const float4 *restrict light_nodes, const uint slot,
-                               __global const struct ray *restrict rays,
-                               __global const struct shade *restrict shades,
-                               __global struct path *restrict paths,
-                               __global const uint4 *restrict points,
-                               __global const uint *restrict places)
+static inline uint direct_slot(
+    BVH_NODES nodes, const struct traced *scene, __constant struct settings *settings,
+    const struct batch batch, const uint bounce, __global const struct light *restrict lights,
+    __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
+    const uint slot, __global const struct ray *restrict rays,
+    __global const struct shade *restrict shades, __global struct path *restrict paths,
+    __global const uint4 *restrict points, __global const uint *restrict places)
 {
     const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
     const float3 p = rays[slot].org.xyz;

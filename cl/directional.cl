@@ -41,8 +41,8 @@
     settings, bounce, lights, batch, points, places, map, map_texels, map_alias
 #define DIRECTIONAL_COUNT(settings) ((settings)->directional_count + 1)
 #else
-#define DIRECTIONAL_PARAMETERS DIRECTIONAL_LIGHTS, DIRECTIONAL_NUMBERS
-#define DIRECTIONAL_ARGUMENTS  settings, bounce, lights, batch, points, places
+#define DIRECTIONAL_PARAMETERS      DIRECTIONAL_LIGHTS, DIRECTIONAL_NUMBERS
+#define DIRECTIONAL_ARGUMENTS       settings, bounce, lights, batch, points, places
 #define DIRECTIONAL_COUNT(settings) ((settings)->directional_count)
 #endif
 

@@ -100,8 +100,8 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     for (uint32_t i = 0; i < form_count; i++)
         p.forms[i] = forms[i];
 
-    // A compiler of its own for each stage; PoCL has only one, and compiles at the first
-    // launch.
+        // A compiler of its own for each stage; PoCL has only one, and compiles at the first
+        // launch.
 #pragma omp parallel for schedule(dynamic, 1) num_threads(gpu->info.is_cpu ? 1 : job_count)
     for (int i = 0; i < job_count; i++)
         statuses[i] = build_job(&p, i, gpu, scene, &built[i]);
