@@ -1,13 +1,13 @@
 // Stage 5, direct: light from the lights of the tree at every shaded hit, by shadow rays.
 //
 //   in    rays, paths, shades, queue of this bounce, lights and their tree, BVH
-//   out   paths[slot].radiance
-//   next  directional
+//   out   paths[slot].radiance; if it scatters, what scatter does
+//   next  directional or scatter, or if it scatters, trace
 //
 // Variants: those of trace; LIGHT_SAMPLER (lib/light_sampler.h). With SHADE_LANES
 // (lib/shade_lanes.h) shadow rays of eight hits are drawn side by side where nothing but the
-// Lambert term is left, and if no other light is to come, the stage does the work of scatter and
-// compact, too: what they read is at hand.
+// Lambert term is left. If no other light is to come, the stage does the work of scatter, too: what
+// that reads is at hand.
 
 #include "lib/shade_lanes.h"
 
@@ -192,26 +192,69 @@ static inline uint direct_weigh_lanes(struct shadow_lanes *out, const struct dir
     return lanes_bits(needed);
 }
 
+#else
+
+// Lights the hit of one slot. Returns the shadow rays that were traced.
+static inline uint direct_slot(
+    BVH_NODES nodes, const struct traced *scene, __constant struct settings *settings,
+    const struct batch batch, const uint bounce, __global const struct light *restrict lights,
+    __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
+    const uint slot, __global const struct ray *restrict rays,
+    __global const struct shade *restrict shades, __global struct path *restrict paths,
+    __global const uint4 *restrict points, __global const uint *restrict places)
+{
+    const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
+    const float3 p = rays[slot].org.xyz;
+    const bool alone = path_is_alone(&paths[slot]);
+    const struct path_place place = samples_place(batch, places, slot);
+    const uint round_count = light_round_count(settings);
+    uint traced = 0;
+    float3 sum = (float3)(0.0f); // over the shadow rays
+    for (uint round = 0; round < round_count; round++) {
+        // Choose lights.
+        uint4 numbers = light_numbers(settings, points, place, bounce, round);
+        struct light_choice choice;
+        light_choice_begin(&choice, settings, light_nodes, p, b.normal, round, numbers.x);
+        for (;;) {
+            float expected; // times this hit takes this light, on average
+            const uint light =
+                light_choice_next(&expected, &choice, settings, light_nodes, p, b.normal);
+            if (light == EMITTER_NONE)
+                break;
+
+                // Draw a point on it, and ask whether the way is free.
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+            numbers = light_place_numbers(settings, points, place, bounce, round, light);
+#endif
+            const struct shadow shadow =
+                direct_weigh(lights, shapes, &scene->surface, light, expected, &b, p, alone,
+                             rng_unit(numbers.y), rng_unit(numbers.z));
+            if (shadow_is_needed(&shadow)) {
+                traced++;
+                sum += shadow_trace(nodes, scene, p, &shadow);
+            }
+        }
+    }
+    paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
+    return traced;
+}
+
 #endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     TRACED_PARAMETERS, __constant struct settings *settings, const struct batch batch,
     const uint bounce, __global const struct light *restrict lights,
     __global const struct light_shape *restrict shapes, __global const float4 *restrict light_nodes,
-    __global const uint *restrict queue, SCATTER_RAYS, __global const struct shade *restrict shades,
-    __global struct path *restrict paths, __global struct counters *counters,
-    __global const uint4 *restrict points, __global const uint *restrict places
-#if SHADE_LANES
-    ,
-    SCATTER_PARAMETERS
-#endif
-)
+    __global const uint *restrict queue, __global struct ray *restrict rays,
+    __global const struct shade *restrict shades, __global struct path *restrict paths,
+    __global struct counters *counters, __global const uint4 *restrict points,
+    __global const uint *restrict places, SCATTER_PARAMETERS)
 {
     TRACED_SCENE(scene);
-    const uint round_count = light_round_count(settings);
     const uint count = counters[bounce].active;
     uint traced = 0; // shadow rays of this work item
 #if SHADE_LANES
+    const uint round_count = light_round_count(settings);
     struct scatter_run going;
     going.count = 0;
     SHADOW_LANES_LOOP(i, &counters[bounce].direct_head, count)
@@ -278,45 +321,20 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     scatter_run_end(&going, counters, bounce, queue_out);
 #else
     QUEUE_LOCAL(run);
+    SCATTER_LOCAL(going);
     for (uint i = queue_first(&counters[bounce].direct_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].direct_head, run)) {
-        if (i >= count)
-            continue;
-        const uint slot = queue[i];
-        if (!(as_uint(paths[slot].throughput_bits.w) & PATH_SHADED))
-            continue;
-        const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
-        const float3 p = rays[slot].org.xyz;
-        const bool alone = path_is_alone(&paths[slot]);
-        const struct path_place place = samples_place(batch, places, slot);
-
-        float3 sum = (float3)(0.0f); // over the shadow rays
-        for (uint round = 0; round < round_count; round++) {
-            // Choose lights.
-            uint4 numbers = light_numbers(settings, points, place, bounce, round);
-            struct light_choice choice;
-            light_choice_begin(&choice, settings, light_nodes, p, b.normal, round, numbers.x);
-            for (;;) {
-                float expected; // times this hit takes this light, on average
-                const uint light =
-                    light_choice_next(&expected, &choice, settings, light_nodes, p, b.normal);
-                if (light == EMITTER_NONE)
-                    break;
-
-                    // Draw a point on it, and ask whether the way is free.
-#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
-                numbers = light_place_numbers(settings, points, place, bounce, round, light);
-#endif
-                const struct shadow shadow =
-                    direct_weigh(lights, shapes, &scene.surface, light, expected, &b, p, alone,
-                                 rng_unit(numbers.y), rng_unit(numbers.z));
-                if (shadow_is_needed(&shadow)) {
-                    traced++;
-                    sum += shadow_trace(nodes, &scene, p, &shadow);
-                }
-            }
+        const uint slot = i < count ? queue[i] : 0;
+        const bool shaded =
+            i < count && (as_uint(paths[slot].throughput_bits.w) & PATH_SHADED) != 0;
+        if (shaded)
+            traced += direct_slot(nodes, &scene, settings, batch, bounce, lights, shapes,
+                                  light_nodes, slot, rays, shades, paths, points, places);
+        if (scatters != 0) {
+            const bool goes = shaded && scatter_slot(settings, batch, bounce, slot, shades, rays,
+                                                     paths, points, places);
+            scatter_append(goes, slot, going, counters, bounce, queue_out);
         }
-        paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
     }
 #endif
     if (traced != 0)

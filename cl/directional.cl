@@ -2,12 +2,12 @@
 // shadow ray each.
 //
 //   in    rays, paths, shades, queue of this bounce, directional lights, environment, BVH
-//   out   paths[slot].radiance
-//   next  scatter
+//   out   paths[slot].radiance; if it scatters, what scatter does
+//   next  scatter, or if it scatters, trace
 //
 // Variants: those of trace; ENV_MAP: there is an environment. With SHADE_LANES (lib/shade_lanes.h)
-// shadow rays of eight hits are drawn side by side where nothing but the Lambert term is left, and
-// the stage does the work of scatter and compact, too, as direct where it is the last.
+// shadow rays of eight hits are drawn side by side where nothing but the Lambert term is left. The
+// stage does the work of scatter, too, as direct where it is the last.
 
 #include "lib/shade_lanes.h"
 
@@ -41,13 +41,8 @@
     settings, bounce, lights, batch, points, places, map, map_texels, map_alias
 #define DIRECTIONAL_COUNT(settings) ((settings)->directional_count + 1)
 #else
-#if SHADE_LANES
-#define DIRECTIONAL_PARAMETERS DIRECTIONAL_LIGHTS, DIRECTIONAL_NUMBERS
-#define DIRECTIONAL_ARGUMENTS  settings, bounce, lights, batch, points, places
-#else
-#define DIRECTIONAL_PARAMETERS DIRECTIONAL_LIGHTS
-#define DIRECTIONAL_ARGUMENTS  settings, bounce, lights
-#endif
+#define DIRECTIONAL_PARAMETERS      DIRECTIONAL_LIGHTS, DIRECTIONAL_NUMBERS
+#define DIRECTIONAL_ARGUMENTS       settings, bounce, lights, batch, points, places
 #define DIRECTIONAL_COUNT(settings) ((settings)->directional_count)
 #endif
 
@@ -141,14 +136,9 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
 #endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
-    TRACED_PARAMETERS, __global const uint *restrict queue, SCATTER_RAYS,
+    TRACED_PARAMETERS, __global const uint *restrict queue, __global struct ray *restrict rays,
     __global const struct shade *restrict shades, __global struct path *restrict paths,
-    __global struct counters *counters, DIRECTIONAL_PARAMETERS
-#if SHADE_LANES
-    ,
-    SCATTER_PARAMETERS
-#endif
-)
+    __global struct counters *counters, DIRECTIONAL_PARAMETERS, SCATTER_PARAMETERS)
 {
     TRACED_SCENE(scene);
     const uint ray_count = DIRECTIONAL_COUNT(settings);
@@ -186,24 +176,30 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     scatter_run_end(&going, counters, bounce, queue_out);
 #else
     QUEUE_LOCAL(run);
+    SCATTER_LOCAL(going);
     for (uint i = queue_first(&counters[bounce].directional_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].directional_head, run)) {
-        if (i >= count)
-            continue;
-        const uint slot = queue[i];
-        if (!(as_uint(paths[slot].throughput_bits.w) & PATH_SHADED))
-            continue;
-        const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
-        float3 sum = (float3)(0.0f); // over the shadow rays
-        for (uint k = 0; k < ray_count; k++) {
-            const struct shadow shadow =
-                directional_draw(DIRECTIONAL_ARGUMENTS, k, slot, &b, path_is_alone(&paths[slot]));
-            if (shadow_is_needed(&shadow)) {
-                traced++;
-                sum += shadow_trace(nodes, &scene, rays[slot].org.xyz, &shadow);
+        const uint slot = i < count ? queue[i] : 0;
+        const bool shaded =
+            i < count && (as_uint(paths[slot].throughput_bits.w) & PATH_SHADED) != 0;
+        if (shaded) {
+            const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
+            float3 sum = (float3)(0.0f); // over the shadow rays
+            for (uint k = 0; k < ray_count; k++) {
+                const struct shadow shadow = directional_draw(DIRECTIONAL_ARGUMENTS, k, slot, &b,
+                                                              path_is_alone(&paths[slot]));
+                if (shadow_is_needed(&shadow)) {
+                    traced++;
+                    sum += shadow_trace(nodes, &scene, rays[slot].org.xyz, &shadow);
+                }
             }
+            paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
         }
-        paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
+        if (scatters != 0) {
+            const bool goes = shaded && scatter_slot(settings, batch, bounce, slot, shades, rays,
+                                                     paths, points, places);
+            scatter_append(goes, slot, going, counters, bounce, queue_out);
+        }
     }
 #endif
     if (traced != 0)

@@ -1,12 +1,12 @@
-// Stage 7, scatter: the direction in which a path goes on from its shaded hit.
+// Stage 7, scatter: the direction in which a path goes on from its shaded hit; those that do become
+// the next bounce's queue.
 //
 //   in    paths, rays, shades, queue of this bounce
-//   out   paths, rays
-//   next  compact
+//   out   paths, rays, queue_out, counters[bounce + 1].active
+//   next  trace
 //
-// Variants: those of lib/bsdf.h. With SHADE_LANES (lib/shade_lanes.h) eight paths go side by side
-// where nothing but the Lambert term is left; on CPUs that is a kernel of its own only where no
-// light is added, or forms are compared: else direct or directional sends paths on.
+// Variants: those of lib/bsdf.h. A kernel of its own only where no light is added, or forms are
+// compared: else direct or directional sends paths on.
 
 #include "lib/scatter.h"
 
@@ -16,30 +16,32 @@
 
 __kernel __attribute__((reqd_work_group_size(WG_SCATTER, 1, 1))) void scatter(
     __constant struct settings *settings, const struct batch batch, const uint bounce,
-    __global const struct counters *counters, __global const uint *restrict queue,
+    __global struct counters *counters, __global const uint *restrict queue,
     __global const struct shade *restrict shades, __global struct ray *restrict rays,
     __global struct path *restrict paths, __global const uint4 *restrict points,
-    __global const uint *restrict places)
+    __global const uint *restrict places, __global uint *restrict queue_out)
 {
     const uint count = counters[bounce].active;
 #if SHADE_LANES
+    struct scatter_run going;
+    going.count = 0;
     SHADE_LANES_LOOP(i, count)
     {
         uint slots[LANES];
-        uint rest = shade_lanes_slots(slots, queue, i, count);
-        const uint lambert = rest & lambert_lanes_are(slots, PATH_SHADED | PATH_NO_BOUNCE,
-                                                      PATH_SHADED, paths, shades);
-        if (lambert != 0) {
-            const struct lambert_lanes b = lambert_lanes_load(slots, rays, paths, shades);
-            scatter_lanes(settings, batch, bounce, slots, lambert, &b, rays, paths, points, places);
-        }
-        for (rest &= ~lambert; rest != 0; rest &= rest - 1)
-            scatter_slot(settings, batch, bounce, slots[lanes_lowest(rest)], shades, rays, paths,
-                         points, places);
+        const uint used = shade_lanes_slots(slots, queue, i, count);
+        const uint lambert =
+            used & lambert_lanes_are(slots, PATH_SHADED, PATH_SHADED, paths, shades);
+        const struct lambert_lanes b = lambert_lanes_load(slots, rays, paths, shades);
+        scatter_eight(&going, settings, batch, bounce, slots, lambert, used & ~lambert, &b, shades,
+                      rays, paths, points, places, counters, queue_out);
     }
+    scatter_run_end(&going, counters, bounce, queue_out);
 #else
+    SCATTER_LOCAL(going);
     const uint i = get_global_id(0);
-    if (i < count)
-        scatter_slot(settings, batch, bounce, queue[i], shades, rays, paths, points, places);
+    const uint slot = i < count ? queue[i] : 0;
+    const bool goes = i < count && scatter_slot(settings, batch, bounce, slot, shades, rays, paths,
+                                                points, places);
+    scatter_append(goes, slot, going, counters, bounce, queue_out);
 #endif
 }

@@ -136,7 +136,8 @@ static enum status build_pipeline(struct renderer *r)
         forms[choice->of[c]].traces |= c != RAYS_SHADOW;
         forms[choice->of[c]].shadows |= c == RAYS_SHADOW;
     }
-    return pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options, forms, choice->form_count);
+    return pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options, forms, choice->form_count,
+                          choice->open);
 }
 
 static bool is_taken(const struct choice *choice, uint32_t form)

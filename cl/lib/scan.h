@@ -1,7 +1,6 @@
 /**
  * @file
- * Prefix sums: of one work-group, and of an array by one work-group. Compaction and sorting are
- * made of these.
+ * Prefix sums: of one work-group, and of an array by one work-group. Sorting is made of these.
  *
  * Both work on tiles: a group takes SCAN_TILE consecutive elements, each item SCAN_RUN of them in
  * order, so that order is kept by construction.
@@ -38,7 +37,7 @@ static inline uint scan_group(__local uint *values)
 {
     const uint item = get_local_id(0);
     barrier(CLK_LOCAL_MEM_FENCE);
-    // Written out, as NVIDIA's compiler does, the steps are a third of compaction's kernels.
+    // Written out, as NVIDIA's compiler does, the steps are a third of what scans a queue.
 #pragma unroll 1
     for (uint step = 1; step < WG_SCAN; step *= 2) {
         const uint left = item >= step ? values[item - step] : 0u;

@@ -26,12 +26,10 @@ enum status direct_enqueue(const struct direct *direct, const struct stage_conte
         ARG_BUFFER(&w->counters),
         ARG_BUFFER(&w->points),
         ARG_BUFFER(&w->places),
-        // From here on only on CPUs.
         ARG_VALUE(context->scatters),
         ARG_BUFFER(stage_next_queue(context)),
     };
-    const size_t count = sizeof(args) / sizeof(args[0]) - (context->gpu->info.is_cpu ? 0 : 2);
-    return kernel_enqueue(context->gpu, &direct->kernel, args, count,
+    return kernel_enqueue(context->gpu, &direct->kernel, args, sizeof(args) / sizeof(args[0]),
                           stage_light_items(context, &direct->kernel));
 }
 

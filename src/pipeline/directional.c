@@ -13,7 +13,6 @@ enum status directional_enqueue(const struct directional *directional,
     const struct device_scene *scene = context->scene;
     const struct wavefront *w = context->wavefront;
     const bool has_map = scene->map.width > 0;
-    const bool is_cpu = context->gpu->info.is_cpu;
     struct kernel_arg args[32] = {
         ARGS_TRACED(scene, directional->layout),
         ARG_BUFFER(stage_queue(context)),
@@ -24,22 +23,18 @@ enum status directional_enqueue(const struct directional *directional,
         ARG_BUFFER(&w->settings),
         ARG_VALUE(context->bounce),
         ARG_BUFFER(&scene->directional),
+        ARG_VALUE(context->batch),
+        ARG_BUFFER(&w->points),
+        ARG_BUFFER(&w->places),
     };
-    size_t count = 16; // arguments that every variant takes
-    if (has_map || is_cpu) {
-        args[count++] = (struct kernel_arg)ARG_VALUE(context->batch);
-        args[count++] = (struct kernel_arg)ARG_BUFFER(&w->points);
-        args[count++] = (struct kernel_arg)ARG_BUFFER(&w->places);
-    }
+    size_t count = 19; // arguments so far
     if (has_map) {
         args[count++] = (struct kernel_arg)ARG_VALUE(scene->map);
         args[count++] = (struct kernel_arg)ARG_BUFFER(&scene->map_texels);
         args[count++] = (struct kernel_arg)ARG_BUFFER(&scene->map_alias);
     }
-    if (is_cpu) {
-        args[count++] = (struct kernel_arg)ARG_VALUE(context->scatters);
-        args[count++] = (struct kernel_arg)ARG_BUFFER(stage_next_queue(context));
-    }
+    args[count++] = (struct kernel_arg)ARG_VALUE(context->scatters);
+    args[count++] = (struct kernel_arg)ARG_BUFFER(stage_next_queue(context));
     return kernel_enqueue(context->gpu, &directional->kernel, args, count,
                           stage_light_items(context, &directional->kernel));
 }

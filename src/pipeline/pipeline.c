@@ -13,7 +13,7 @@ static bool has_far_lights(const struct device_scene *scene)
 }
 
 // The stages that are built, those that trace for each form, and whether a scene needs them.
-enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, COMPACT, STAGE_COUNT };
+enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, STAGE_COUNT };
 enum form_stage { TRACE, DIRECT, DIRECTIONAL, FORM_STAGE_COUNT };
 
 static bool needs_stage(enum stage stage, const struct device_scene *scene,
@@ -25,8 +25,7 @@ static bool needs_stage(enum stage stage, const struct device_scene *scene,
     case SORT:
         return p->options.textures_bound;
     case SCATTER:
-    case COMPACT:
-        return !p->light_scatters;
+        return p->compares || !pipeline_has_shadows(scene);
     default:
         return true;
     }
@@ -57,10 +56,8 @@ static enum status build_stage(struct pipeline *p, enum stage stage, const struc
         return sort_build(&p->sort, gpu, &p->options, built);
     case MATERIAL:
         return material_build(&p->material, gpu, &p->options, built);
-    case SCATTER:
-        return scatter_build(&p->scatter, gpu, &p->options, built);
     default:
-        return compact_build(&p->compact, gpu, &p->options, built);
+        return scatter_build(&p->scatter, gpu, &p->options, built);
     }
 }
 
@@ -94,19 +91,17 @@ static enum status build_job(struct pipeline *p, int job, const struct gpu *gpu,
 
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
-                           const struct pipeline_form *forms, uint32_t form_count)
+                           const struct pipeline_form *forms, uint32_t form_count, bool compares)
 {
-    struct pipeline p = {.options = *options, .form_count = form_count};
+    struct pipeline p = {.options = *options, .form_count = form_count, .compares = compares};
     enum status statuses[JOBS_MAX] = {STATUS_OK};
     uint32_t built[JOBS_MAX] = {0};
     const int job_count = STAGE_COUNT + FORM_STAGE_COUNT * (int)form_count;
     for (uint32_t i = 0; i < form_count; i++)
         p.forms[i] = forms[i];
-    // Where forms are compared, each lights the same hits.
-    p.light_scatters = gpu->info.is_cpu && pipeline_has_shadows(scene) && form_count == 1;
 
-    // A compiler of its own for each stage; PoCL has only one, and compiles at the first
-    // launch.
+        // A compiler of its own for each stage; PoCL has only one, and compiles at the first
+        // launch.
 #pragma omp parallel for schedule(dynamic, 1) num_threads(gpu->info.is_cpu ? 1 : job_count)
     for (int i = 0; i < job_count; i++)
         statuses[i] = build_job(&p, i, gpu, scene, &built[i]);
@@ -208,8 +203,7 @@ enum status pipeline_light(const struct pipeline *p, uint32_t form,
 
 enum status pipeline_go_on(const struct pipeline *p, const struct stage_context *context)
 {
-    const enum status status = scatter_enqueue(&p->scatter, context);
-    return status == STATUS_OK ? compact_enqueue(&p->compact, context) : status;
+    return scatter_enqueue(&p->scatter, context);
 }
 
 enum ray_class pipeline_class(uint32_t bounce)
@@ -234,7 +228,7 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
         const bool goes_on = context.bounce + 1 < bounces;
-        context.scatters = goes_on && pipeline->light_scatters;
+        context.scatters = goes_on && pipeline_has_shadows(scene);
         status = pipeline_trace(pipeline, form_of[pipeline_class(context.bounce)], &context);
         if (status == STATUS_OK)
             status = pipeline_shade(pipeline, &context);
@@ -249,7 +243,6 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
 
 void pipeline_free(struct pipeline *pipeline)
 {
-    compact_free(&pipeline->compact);
     scatter_free(&pipeline->scatter);
     for (uint32_t i = 0; i < pipeline->form_count; i++)
         pipeline_drop(pipeline, i);

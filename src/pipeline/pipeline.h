@@ -35,12 +35,11 @@ struct pipeline {
     struct environment_stage environment; // unused without an environment
     struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
-    struct scatter scatter; // unused where light_scatters
-    struct compact compact; // as that
+    struct scatter scatter; // unused unless no stage traces shadow rays, or forms are compared
     struct pipeline_form forms[PIPELINE_FORMS_MAX];
     uint32_t form_count;
     uint32_t form_of[RAY_CLASSES]; // how rays are traced
-    bool light_scatters;           // the stage that adds the last light sends paths on, too
+    bool compares;                 // forms are to be compared
     struct program_options options;
     uint32_t built; // programs compiled from source
 };
@@ -50,10 +49,11 @@ struct pipeline {
  *
  * @param options     Of stages that do not trace.
  * @param forms       [form_count] of the others; options, traces, shadows and may_fail are read.
+ * @param compares    Several may light the same hits before the stage scatter sends them on.
  */
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
-                           const struct pipeline_form *forms, uint32_t form_count);
+                           const struct pipeline_form *forms, uint32_t form_count, bool compares);
 
 /** Builds a form's stages for shadow rays if they are not. Fails, or marks it as failed, as above.
  */

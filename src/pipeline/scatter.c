@@ -20,6 +20,7 @@ enum status scatter_enqueue(const struct scatter *scatter, const struct stage_co
         ARG_BUFFER(&w->paths),
         ARG_BUFFER(&w->points),
         ARG_BUFFER(&w->places),
+        ARG_BUFFER(stage_next_queue(context)),
     };
     return kernel_enqueue(context->gpu, &scatter->kernel, args, sizeof(args) / sizeof(args[0]),
                           stage_shade_items(context));

@@ -24,7 +24,7 @@ struct stage_context {
     struct batch batch;
     uint32_t bounce;
     bool coherent;     // neighbours in the queue have rays that run alike
-    uint32_t scatters; // 1: the stage that adds the last light sends paths on, too; CPUs only
+    uint32_t scatters; // 1: the stage that adds the last light sends paths on, too
 };
 
 /** The arguments that every kernel that traces takes first: TRACED_PARAMETERS of cl/lib/traverse.h.
@@ -136,14 +136,5 @@ enum status scatter_build(struct scatter *out, const struct gpu *gpu,
                           const struct program_options *options, uint32_t *built);
 enum status scatter_enqueue(const struct scatter *scatter, const struct stage_context *context);
 void scatter_free(struct scatter *scatter);
-
-struct compact {
-    struct kernel count, scan, scatter;
-};
-
-enum status compact_build(struct compact *out, const struct gpu *gpu,
-                          const struct program_options *options, uint32_t *built);
-enum status compact_enqueue(const struct compact *compact, const struct stage_context *context);
-void compact_free(struct compact *compact);
 
 #endif

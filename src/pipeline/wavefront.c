@@ -5,16 +5,14 @@
 #include "shared/ray.h"
 #include "shared/rng.h"
 
-// Scratch bytes per path: a word for each tile of compact, or 16 digits of each in sort, and no
-// tile is smaller than 16 elements.
-#define COMPACT_TOTALS 1u // of these a quarter
-#define SORT_TOTALS    4u
+// Scratch bytes per path: 16 digits of each tile in sort, and no tile is smaller than 16 elements.
+#define SORT_TOTALS 4u
 
 uint64_t wavefront_path_size(bool textures_bound)
 {
     const uint64_t words = textures_bound ? 6 : 2;
     return sizeof(struct ray) + sizeof(struct hit) + sizeof(struct path) +
-           words * sizeof(uint32_t) + (textures_bound ? SORT_TOTALS : COMPACT_TOTALS);
+           words * sizeof(uint32_t) + (textures_bound ? SORT_TOTALS : 0);
 }
 
 uint64_t wavefront_points_size(const struct settings *settings)
@@ -54,7 +52,7 @@ enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t ca
     const uint32_t pixels = camera->width * camera->height;
     const size_t words = capacity * sizeof(uint32_t);
     const size_t sort_words = textures_bound ? words : 0;
-    const size_t totals = capacity * (size_t)(textures_bound ? SORT_TOTALS : COMPACT_TOTALS);
+    const size_t totals = capacity * (size_t)SORT_TOTALS + 64 * sizeof(uint32_t);
     const struct {
         struct buffer *buffer;
         size_t size;
@@ -71,7 +69,7 @@ enum status wavefront_create(struct wavefront *out, struct gpu *gpu, uint32_t ca
         {&w.queue[0], words, NULL, "ray queue"},
         {&w.queue[1], words, NULL, "ray queue"},
         {&w.counters, w.bounce_count * sizeof(struct counters), NULL, "counters"},
-        {&w.totals, totals + 64 * sizeof(uint32_t), NULL, "scan totals"},
+        {&w.totals, textures_bound ? totals : 0, NULL, "scan totals"},
         {&w.keys[0], sort_words, NULL, "sort keys"},
         {&w.keys[1], sort_words, NULL, "sort keys"},
         {&w.slots[0], sort_words, NULL, "sorted slots"},

@@ -17,15 +17,15 @@
 /** All zero is a valid empty one. */
 struct wavefront {
     struct buffer settings, camera;
-    struct buffer points;                    // of samples, by block
-    struct buffer places;                    // of the pixels that batches count through
-    struct buffer rays, hits, paths;         // [capacity] by slot; hits become shades in material
-    struct buffer queue[2];                  // [capacity] slots of this bounce and of the next
-    struct buffer counters;                  // [bounce_count]
-    struct buffer totals;                    // scratch of compact and sort
-    struct buffer keys[2], slots[2], ranges; // of sort; empty unless textures are bound
-    uint32_t capacity;                       // paths
-    uint32_t bounce_count;                   // sets of counters
+    struct buffer points;            // of samples, by block
+    struct buffer places;            // of the pixels that batches count through
+    struct buffer rays, hits, paths; // [capacity] by slot; hits become shades in material
+    struct buffer queue[2];          // [capacity] slots of this bounce and of the next
+    struct buffer counters;          // [bounce_count]
+    // Of sort; empty unless textures are bound.
+    struct buffer keys[2], slots[2], ranges, totals;
+    uint32_t capacity;     // paths
+    uint32_t bounce_count; // sets of counters
 };
 
 /** Bytes that a path takes. */

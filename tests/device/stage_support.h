@@ -19,9 +19,9 @@
 static inline struct wavefront make_wavefront(struct gpu *gpu, uint32_t capacity,
                                               uint32_t material_count)
 {
-    const struct settings settings = {.depth = 1, .material_count = material_count};
+    const struct settings settings = {.depth = 2, .material_count = material_count};
     const struct camera camera = {.width = 1, .height = 1};
-    const uint4 points[8] = {{0}};
+    const uint4 points[16] = {{0}};
     struct wavefront wavefront;
     assert(wavefront_points_size(&settings) <= sizeof(points));
     assert_ok(wavefront_create(&wavefront, gpu, capacity, &settings, &camera, points, true));
