@@ -19,12 +19,12 @@
 // paper's speculative traversal waits for the last of them; and the last lanes that have leaves to
 // test keep them for the next time. Over the 4-wide BVH, bounces in Sponza then have two of three
 // lanes busy at a node, where it was every second one, and an H100 traces 6 to 10 % more of them a
-// second. Parts from a third to a sixth, and from a fifth to a tenth, are within 2 % of these.
+// second. Parts from a third to a sixth, and from a third to an eighth, are within 2 % of these.
 //
 //   lanes  of the warp that walk, LEAF_LANES()
 #if WARP_VOTES
 #define LEAF_SEARCHERS           4u // few look for a leaf: one lane in
-#define LEAF_TESTERS             5u // few test one: one lane in
+#define LEAF_TESTERS             3u // few test one: one lane in
 #define LEAF_LANES()             warp_lanes()
 #define LEAF_IS_DUE(leaf, lanes) (warp_count((leaf) == 0) * LEAF_SEARCHERS <= (lanes))
 #define LEAF_MAY_WAIT(lanes)     (warp_lanes() * LEAF_TESTERS <= (lanes))
