@@ -12,8 +12,10 @@
  * left to them. Slab tests count along the ray from tmin, 0, to a little past the best hit so far,
  * 1: products are cut off at 0 and 1 for free, where there were two more comparisons a box, and
  * misses are told by a sum and a product. Half of the planes are decoded by products, too. That is
- * 74 such instructions a node where it was 96, and primary rays in Sponza are traced at 9 % more
- * rays/s, bounces at 2 to 5 %, shadow rays at 2 %.
+ * 74 such instructions a node where it was 96; with triangles loaded whole (lib/warp.h), primary
+ * rays in Sponza are traced at 8 % more rays/s, bounces at 3 to 5 %, shadow rays at 3 %. Tried
+ * without gain: sorting the children less (fewer instructions, more visits), a stack in local
+ * memory, more or fewer registers, nodes in the order of their surfaces.
  */
 #ifndef LIB_TRAVERSE_QUAD_H
 #define LIB_TRAVERSE_QUAD_H
@@ -26,7 +28,7 @@
 
 #define QUAD_DONE        0x7fffffff // below every entry of the stack; no node has that number
 #define WALK_STACK(name) int name[QUAD_STACK_SIZE]
-#define WALK_FEW         20 // 12 and 26 do the same
+#define WALK_FEW         24 // 16 to 26 do the same, 12 is 2 % slower
 
 // Where boxes are looked for if a ray has no end, m: boxes at 1e-20 of it still have other numbers
 // than their neighbours.
