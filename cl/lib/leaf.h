@@ -19,12 +19,12 @@
 // paper's speculative traversal waits for the last of them; and the last lanes that have leaves to
 // test keep them for the next time. Over the 4-wide BVH, bounces in Sponza then have two of three
 // lanes busy at a node, where it was every second one, and an H100 traces 6 to 10 % more of them a
-// second. Parts from a third to a sixth, and from a fifth to a tenth, are within 2 % of these.
+// second. Parts from a third to a sixth, and from a third to an eighth, are within 2 % of these.
 //
 //   lanes  of the warp that walk, LEAF_LANES()
 #if WARP_VOTES
 #define LEAF_SEARCHERS           4u // few look for a leaf: one lane in
-#define LEAF_TESTERS             5u // few test one: one lane in
+#define LEAF_TESTERS             3u // few test one: one lane in
 #define LEAF_LANES()             warp_lanes()
 #define LEAF_IS_DUE(leaf, lanes) (warp_count((leaf) == 0) * LEAF_SEARCHERS <= (lanes))
 #define LEAF_MAY_WAIT(lanes)     (warp_lanes() * LEAF_TESTERS <= (lanes))
@@ -55,18 +55,23 @@ static inline bool leaf_test_one(struct hit *hit, const struct traced *scene, co
                                  const float3 org, const float3 dir, const float tmin,
                                  const bool any_hit, struct passage *passage, const int mode)
 {
+#if WARP_VOTES
+    float4 row_w, row_u, row_v;
+    warp_load_rows(&row_w, &row_u, &row_v, scene->woop + 3 * i);
+#else
     const float4 row_w = scene->woop[3 * i + 0];
+    const float4 row_u = scene->woop[3 * i + 1];
+    const float4 row_v = scene->woop[3 * i + 2];
+#endif
     const float t = -leaf_along(row_w, org, row_w.w) / leaf_along(row_w, dir, 0.0f);
     if (!(t > tmin && (any_hit ? t < hit->t : t <= hit->t)))
         return false;
     if (!any_hit && t == hit->t && leaf_tie_stays(hit, scene, i))
         return false;
     const float3 p = MULADD((float3)(t), dir, org);
-    const float4 row_u = scene->woop[3 * i + 1];
     const float u = leaf_along(row_u, p, row_u.w);
     if (!(u >= 0.0f && u <= 1.0f))
         return false;
-    const float4 row_v = scene->woop[3 * i + 2];
     const float v = leaf_along(row_v, p, row_v.w);
     if (!(v >= 0.0f && u + v <= 1.0f))
         return false;

@@ -94,9 +94,9 @@ static inline uint compressed_hits(const uint meta, const uint3 near, const uint
     const float4 near_x = MULADD(byte_planes(near.x), scale.x, start.x);
     const float4 near_y = MULADD(byte_planes(near.y), scale.y, start.y);
     const float4 near_z = MULADD(byte_planes(near.z), scale.z, start.z);
-    const float4 far_x = MULADD(byte_planes(far.x), scale.x, start.x);
-    const float4 far_y = MULADD(byte_planes(far.y), scale.y, start.y);
-    const float4 far_z = MULADD(byte_planes(far.z), scale.z, start.z);
+    const float4 far_x = MULADD(byte_planes_too(far.x), scale.x, start.x);
+    const float4 far_y = MULADD(byte_planes_too(far.y), scale.y, start.y);
+    const float4 far_z = MULADD(byte_planes_too(far.z), scale.z, start.z);
 
     // Put inner children, whose meta alone has bits 3 and 4, in the ray's order.
     const uint inner = (meta & (meta << 1)) >> 4 & 0x01010101u;

@@ -46,6 +46,55 @@ static inline float warp_pick(const uint a, const uint b, const uint which)
     return as_float(picked);
 }
 
+// a * b + c, or the nearest of 0 .. 1 to it, by one instruction; 0 if it is no number.
+static inline float warp_muladd_unit(const float a, const float b, const float c)
+{
+    float sum;
+    __asm("fma.rn.ftz.sat.f32 %0, %1, %2, %3;" : "=f"(sum) : "f"(a), "f"(b), "f"(c));
+    return sum;
+}
+
+// The same of a - b.
+static inline float warp_sub_unit(const float a, const float b)
+{
+    float difference;
+    __asm("sub.ftz.sat.f32 %0, %1, %2;" : "=f"(difference) : "f"(a), "f"(b));
+    return difference;
+}
+
+// A float made of the byte of `bytes` that `which` names, and of bits that are 0 where it comes to
+// stand, as warp_pick() with digits 7, 6, byte, 4 makes it; but by a product, which units for sums
+// do while those for bits are busy.
+static inline float4 warp_pick_four(const uint bytes, const uint rest)
+{
+    uint4 sums;
+    __asm("dp2a.lo.u32.u32 %0, %1, %2, %3;" : "=r"(sums.x) : "r"(0x100u), "r"(bytes), "r"(rest));
+    __asm("dp2a.lo.u32.u32 %0, %1, %2, %3;"
+          : "=r"(sums.y)
+          : "r"(0x1000000u), "r"(bytes), "r"(rest));
+    __asm("dp2a.hi.u32.u32 %0, %1, %2, %3;" : "=r"(sums.z) : "r"(0x100u), "r"(bytes), "r"(rest));
+    __asm("dp2a.hi.u32.u32 %0, %1, %2, %3;"
+          : "=r"(sums.w)
+          : "r"(0x1000000u), "r"(bytes), "r"(rest));
+    return as_float4(sums);
+}
+
+// Loads three rows at once. A compiler loads each where it is first needed, and a warp some of
+// whose lanes have come through the test of one row waits for the next.
+static inline void warp_load_rows(float4 *a, float4 *b, float4 *c, __global const float4 *from)
+{
+    float4 x, y, z;
+    __asm volatile("ld.global.nc.v4.f32 {%0, %1, %2, %3}, [%12];\n\t"
+                   "ld.global.nc.v4.f32 {%4, %5, %6, %7}, [%12 + 16];\n\t"
+                   "ld.global.nc.v4.f32 {%8, %9, %10, %11}, [%12 + 32];"
+                   : "=f"(x.x), "=f"(x.y), "=f"(x.z), "=f"(x.w), "=f"(y.x), "=f"(y.y), "=f"(y.z),
+                     "=f"(y.w), "=f"(z.x), "=f"(z.y), "=f"(z.z), "=f"(z.w)
+                   : "l"((ulong)from));
+    *a = x;
+    *b = y;
+    *c = z;
+}
+
 // Fetches a place of a queue for each of the lanes that are here, by one atomic add.
 static inline uint warp_fetch(volatile __global uint *head)
 {
