@@ -164,7 +164,7 @@ install: all $(B)/lightkiln.pc ## Installs under PREFIX (/usr/local), within DES
 	install -m 644 $(B)/liblightkiln.a $(DESTDIR)$(PREFIX)/lib/
 	install $(B)/$(SONAME) $(DESTDIR)$(PREFIX)/lib/
 	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblightkiln.so
-	install -m 644 include/lightkiln/lightkiln.h $(DESTDIR)$(PREFIX)/include/lightkiln/
+	install -m 644 include/lightkiln/*.h $(DESTDIR)$(PREFIX)/include/lightkiln/
 	install -m 644 $(B)/lightkiln.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/
 	install -m 644 docs/lightkiln.1 $(DESTDIR)$(PREFIX)/share/man/man1/
 $(B)/lightkiln.pc: lightkiln.pc.in FORCE

@@ -9,7 +9,7 @@
 #include "core/status.h"
 #include "device/gpu.h"
 #include "device/program.h"
-#include "lightkiln/lightkiln.h"
+#include "lightkiln/settings.h"
 
 /** STATUS_USAGE, naming the first setting that is out of range or does not go with another. */
 enum status settings_check(const struct lk_settings *settings);

@@ -6,12 +6,18 @@
 #define TESTS_FOLDER_H
 
 /** Its path, between folder_setup() and folder_teardown(). */
-extern char folder[64];
+extern char folder[512];
 
-/** Makes it, as cmocka's setup. */
+/** Makes it, in TMPDIR or /tmp, as cmocka's setup. */
 int folder_setup(void **state);
 
-/** Removes it with all that is in it. */
+/** The same, and lightkiln's cache is in it. */
+int folder_setup_cache(void **state);
+
+/** Removes the files in it. */
+void folder_empty(void);
+
+/** Removes it with its files; fails if something else was left in it, such as a temporary. */
 int folder_teardown(void **state);
 
 /** The path of what has this name in it: eight stay valid at a time. */

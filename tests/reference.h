@@ -15,7 +15,7 @@
 
 #include <stdint.h>
 
-#include "lightkiln/lightkiln.h"
+#include "lightkiln/settings.h"
 
 /** One line of refs.md, and how to render it. */
 struct reference {

@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "core/status.h"
-#include "lightkiln/lightkiln.h"
+#include "lightkiln/image.h"
 
 /**
  * Compares. Values that are not finite in one of the images are left out of every sum and counted.

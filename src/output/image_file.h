@@ -13,7 +13,7 @@
 
 #include "core/status.h"
 #include "film/tonemap.h"
-#include "lightkiln/lightkiln.h"
+#include "lightkiln/render.h"
 
 enum image_kind {
     IMAGE_LINEAR, // float: .exr .hdr .tif .tiff

@@ -7,7 +7,7 @@
 #define OUTPUT_REPORT_H
 
 #include "core/json.h"
-#include "lightkiln/lightkiln.h"
+#include "lightkiln/render.h"
 
 /**
  * Writes the whole report.

@@ -14,9 +14,10 @@
 
 #include "core/file.h"
 #include "device/build_cache.h"
+#include "folder.h"
 #include "support.h"
 
-#define PATH_SIZE 512
+#define PATH_SIZE 1024
 
 static const char good_text[] =
     "__kernel __attribute__((reqd_work_group_size(4, 1, 1))) void answer(__global uint *out)\n"
@@ -30,7 +31,6 @@ static const char other_text[] =
     "}\n";
 
 static const struct program_options no_options;
-static char folder[PATH_SIZE]; // the cache of one test
 
 static enum status build(struct program *out, const struct gpu *gpu, const char *text)
 {
@@ -49,17 +49,6 @@ static uint32_t ask(struct gpu *gpu, const struct program *program)
     return answer;
 }
 
-// ---- the cache's folder
-
-// Makes an empty folder and tells the cache to use it.
-static int cache_setup(void **state)
-{
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof(folder), "%s/lightkiln-test-XXXXXX", base != NULL ? base : "/tmp");
-    return mkdtemp(folder) != NULL && setenv("LIGHTKILN_CACHE_DIR", folder, 1) == 0 ? 0 : -1;
-}
-
 // The path of the one file in the cache; "" if there is none.
 static void find_file(char *path)
 {
@@ -70,19 +59,16 @@ static void find_file(char *path)
         if (entry->d_name[0] == '.')
             continue;
         assert_int_equal(path[0], '\0');
-        snprintf(path, 2 * PATH_SIZE, "%s/%s", folder, entry->d_name);
+        snprintf(path, PATH_SIZE, "%s/%s", folder, entry->d_name);
     }
     closedir(dir);
 }
 
 static int cache_teardown(void **state)
 {
-    (void)state;
-    char path[2 * PATH_SIZE];
+    char path[PATH_SIZE];
     find_file(path);
-    if (path[0] != '\0')
-        unlink(path);
-    return rmdir(folder);
+    return folder_teardown(state);
 }
 
 // The device under another name, since builds for PoCL are not cached.
@@ -154,7 +140,7 @@ static void what_is_kept_is_found(void **state)
     struct gpu *gpu = device_of(state);
     struct build_key key;
     size_t size;
-    char path[2 * PATH_SIZE];
+    char path[PATH_SIZE];
     free(fill_cache(gpu, &key, &size, path));
     struct program program = {.handle = build_cache_load(&key, gpu, "")};
     assert_non_null(program.handle);
@@ -167,7 +153,7 @@ static void cut_files_are_not_believed(void **state)
     struct gpu *gpu = device_of(state);
     struct build_key key;
     size_t size;
-    char path[2 * PATH_SIZE];
+    char path[PATH_SIZE];
     char *bytes = fill_cache(gpu, &key, &size, path);
     const size_t sizes[] = {0, 1, 4, 39, 40, 41, size / 2, size - 1};
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
@@ -182,7 +168,7 @@ static void changed_files_are_not_believed(void **state)
     struct gpu *gpu = device_of(state);
     struct build_key key;
     size_t size;
-    char path[2 * PATH_SIZE];
+    char path[PATH_SIZE];
     char *bytes = fill_cache(gpu, &key, &size, path);
     char *longer = calloc(1, size + 1);
     memcpy(longer, bytes, size);
@@ -206,7 +192,7 @@ static void files_of_other_builds_are_not_believed(void **state)
     struct gpu *gpu = device_of(state);
     struct build_key key;
     size_t size;
-    char path[2 * PATH_SIZE];
+    char path[PATH_SIZE];
     char *bytes = fill_cache(gpu, &key, &size, path);
     assert_int_equal(unlink(path), 0);
 
@@ -223,7 +209,7 @@ static void a_spoilt_cache_means_a_build_from_source(void **state)
 {
     struct gpu *gpu = device_of(state);
     const struct gpu other = disguise(gpu);
-    char path[2 * PATH_SIZE];
+    char path[PATH_SIZE];
     struct program program;
     static const bool from_source[] = {true, false, true, false};
     for (int turn = 0; turn < 4; turn++) {
@@ -260,7 +246,7 @@ static void the_cache_can_be_passed_by(void **state)
 {
     const struct gpu other = disguise(device_of(state));
     const struct program_options options = {.no_cache = true};
-    char path[2 * PATH_SIZE];
+    char path[PATH_SIZE];
     for (int turn = 0; turn < 2; turn++) {
         struct program program;
         assert_ok(program_build_text(&program, &other, good_text, strlen(good_text), &options));
@@ -315,7 +301,7 @@ static void kernels_say_their_group_size(void **state)
 
 int main(void)
 {
-#define CACHE_TEST(name) cmocka_unit_test_setup_teardown(name, cache_setup, cache_teardown)
+#define CACHE_TEST(name) cmocka_unit_test_setup_teardown(name, folder_setup_cache, cache_teardown)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(keys_tell_builds_apart),
         cmocka_unit_test(pocl_keeps_its_own_cache),

@@ -1,251 +1,10 @@
-#include "prep/sbvh_split.h"
+#include "prep/spatial_split.h"
 
+#include <float.h>
 #include <stdbool.h>
 #include <string.h>
 
 #include "prep/vec3.h"
-
-#define BIN_COUNT 16 // slabs of an axis
-
-// So few references are put in order: there would be more bins than references.
-#define SORT_MAX 8u
-
-// A node of so many references is looked at by several threads: there are few nodes yet to share
-// out.
-#define SHARE_REFS 32768u
-#define SHARES     8u // parts of its references, each looked at by one
-
-// ---- what both ways share
-
-void split_move(struct part_set *parts, uint32_t from, uint32_t to, uint32_t count)
-{
-    if (from == to)
-        return;
-    memmove(&parts->boxes[to], &parts->boxes[from], count * sizeof(*parts->boxes));
-    memmove(&parts->order[to], &parts->order[from], count * sizeof(*parts->order));
-}
-
-// Bins of one axis: the boxes of what is in each, how many begin there and how many end there.
-struct bins {
-    struct box boxes[BIN_COUNT];
-    uint32_t begin[BIN_COUNT], end[BIN_COUNT];
-};
-
-// The bins of a node, on all axes.
-struct grid {
-    float lo[4], scale[4]; // where they begin; bins a metre, 0 where there is only one
-    float width[4];        // of one, m
-};
-
-static void set_axis(struct grid *grid, int axis, float lo, float extent, bool separates)
-{
-    grid->lo[axis] = lo;
-    grid->scale[axis] = separates ? BIN_COUNT / extent : 0.0f;
-    grid->width[axis] = extent / BIN_COUNT;
-}
-
-static inline int bin_of(float x, float lo, float scale)
-{
-    const float place = (x - lo) * scale; // NaN if the extent overflows
-    return place < BIN_COUNT - 1 ? (int)place : BIN_COUNT - 1;
-}
-
-// Puts references into the bins of all axes.
-typedef void bin_function(struct bins bins[3], const struct grid *grid,
-                          const struct part_set *parts, uint32_t first, uint32_t count);
-
-static void clear_bins(struct bins bins[3])
-{
-    memset(bins, 0, 3 * sizeof(*bins));
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < BIN_COUNT; i++)
-            bins[axis].boxes[i] = box_empty;
-}
-
-static void add_bins(struct bins bins[3], const struct bins more[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < BIN_COUNT; i++) {
-            box_unite(&bins[axis].boxes[i], &more[axis].boxes[i]);
-            bins[axis].begin[i] += more[axis].begin[i];
-            bins[axis].end[i] += more[axis].end[i];
-        }
-}
-
-// Puts a node's references into bins; what comes out does not depend on who does what.
-static void fill_bins(struct bins bins[3], bin_function *fill, const struct grid *grid,
-                      const struct part_set *parts, uint32_t first, uint32_t count)
-{
-    clear_bins(bins);
-    if (count < SHARE_REFS) {
-        fill(bins, grid, parts, first, count);
-        return;
-    }
-    struct bins shares[SHARES][3];
-    const uint32_t most = (count + SHARES - 1) / SHARES;
-#pragma omp taskgroup
-    for (uint32_t i = 0; i < SHARES; i++) {
-#pragma omp task shared(shares)
-        {
-            const uint32_t left = count - i * most;
-            clear_bins(shares[i]);
-            fill(shares[i], grid, parts, first + i * most, left < most ? left : most);
-        }
-    }
-    for (uint32_t i = 0; i < SHARES; i++)
-        add_bins(bins, shares[i]);
-}
-
-// The cheapest plane between bins.
-struct sweep {
-    int plane; // 0: none; left are the bins below
-    double cost;
-    struct box left, right;
-    uint32_t left_count, right_count;
-};
-
-static void sweep_bins(struct sweep *out, const struct bins *bins)
-{
-    // From the right: what lies at or beyond each plane.
-    struct box right[BIN_COUNT];
-    uint32_t right_counts[BIN_COUNT];
-    struct box box = box_empty;
-    uint32_t count = 0;
-    for (int i = BIN_COUNT - 1; i > 0; i--) {
-        box_unite(&box, &bins->boxes[i]);
-        count += bins->end[i];
-        right[i] = box;
-        right_counts[i] = count;
-    }
-
-    // From the left: add the cost of all before it.
-    *out = (struct sweep){.cost = DBL_MAX};
-    box = box_empty;
-    count = 0;
-    for (int i = 1; i < BIN_COUNT; i++) {
-        box_unite(&box, &bins->boxes[i - 1]);
-        count += bins->begin[i - 1];
-        if (count == 0 || right_counts[i] == 0 || box_is_empty(&box) || box_is_empty(&right[i]))
-            continue; // the plane does not separate
-        const double cost = count * box_half_area(box.lo, box.hi) +
-                            right_counts[i] * box_half_area(right[i].lo, right[i].hi);
-        if (cost < out->cost)
-            *out = (struct sweep){i, cost, box, right[i], count, right_counts[i]};
-    }
-}
-
-// ---- by objects
-
-// Keeps the overlap of a split's children with it.
-static void set_overlap(struct object_split *split, const struct box *left, const struct box *right)
-{
-    struct box both = *left;
-    box_intersect(&both, right);
-    split->overlap = box_is_empty(&both) ? 0.0 : box_half_area(both.lo, both.hi);
-}
-
-// Finds the cheapest plane of one axis between the centers of a few boxes.
-static void sort_axis(struct object_split *best, const struct box *boxes, uint32_t count, int axis)
-{
-    // Put them in order.
-    const struct box *sorted[SORT_MAX] = {boxes};
-    float centers[SORT_MAX];
-    for (uint32_t i = 0; i < count; i++) {
-        const float center = box_center(&boxes[i], axis);
-        uint32_t place = i;
-        for (; place > 0 && centers[place - 1] > center; place--) {
-            centers[place] = centers[place - 1];
-            sorted[place] = sorted[place - 1];
-        }
-        centers[place] = center;
-        sorted[place] = &boxes[i];
-    }
-
-    // Look at all ways to part them, as sweep_bins() does.
-    struct box right[SORT_MAX], left = *sorted[0];
-    right[count - 1] = *sorted[count - 1];
-    for (uint32_t i = count - 1; i > 1; i--) {
-        right[i - 1] = right[i];
-        box_unite(&right[i - 1], sorted[i - 1]);
-    }
-    for (uint32_t i = 1; i < count; i++) {
-        const double cost = i * box_half_area(left.lo, left.hi) +
-                            (count - i) * box_half_area(right[i].lo, right[i].hi);
-        if (cost < best->cost && centers[i - 1] < centers[i]) {
-            *best = (struct object_split){.axis = axis, .lo = centers[i], .cost = cost};
-            set_overlap(best, &left, &right[i]);
-        }
-        box_unite(&left, sorted[i]);
-    }
-}
-
-// Puts whole references into the bins that their centers are in.
-static void bin_objects(struct bins bins[3], const struct grid *grid, const struct part_set *parts,
-                        uint32_t first, uint32_t count)
-{
-    for (uint32_t i = first; i < first + count; i++) {
-        const struct box *box = &parts->boxes[i];
-        for (int axis = 0; axis < 3; axis++) {
-            const int bin = bin_of(box_center(box, axis), grid->lo[axis], grid->scale[axis]);
-            box_unite(&bins[axis].boxes[bin], box);
-            bins[axis].begin[bin]++;
-        }
-    }
-}
-
-void split_find_object(struct object_split *out, const struct part_set *parts, uint32_t first,
-                       uint32_t count, const struct box *centers)
-{
-    const struct box *boxes = parts->boxes + first;
-    *out = (struct object_split){.axis = -1, .cost = DBL_MAX};
-    if (count <= SORT_MAX) {
-        for (int axis = 0; axis < 3; axis++)
-            sort_axis(out, boxes, count, axis);
-        return;
-    }
-    struct bins bins[3];
-    struct grid grid = {{0.0f}, {0.0f}, {0.0f}};
-    for (int axis = 0; axis < 3; axis++) {
-        // With an extent of nothing, or too little for its inverse, all goes into bin 0.
-        const float extent = centers->hi[axis] - centers->lo[axis];
-        set_axis(&grid, axis, centers->lo[axis], extent, extent > FLT_MIN * 32.0f);
-    }
-    fill_bins(bins, bin_objects, &grid, parts, first, count);
-    for (int axis = 0; axis < 3; axis++) {
-        struct sweep sweep;
-        memcpy(bins[axis].end, bins[axis].begin, sizeof(bins[axis].end));
-        sweep_bins(&sweep, &bins[axis]);
-        if (!(sweep.cost < out->cost))
-            continue;
-        *out = (struct object_split){axis,       sweep.plane, grid.lo[axis], grid.scale[axis],
-                                     sweep.cost, 0.0};
-        set_overlap(out, &sweep.left, &sweep.right);
-    }
-}
-
-// Whether a reference goes left.
-static inline bool is_left(const struct object_split *split, const struct box *box)
-{
-    const float center = box_center(box, split->axis);
-    return split->plane > 0 ? bin_of(center, split->lo, split->scale) < split->plane
-                            : center < split->lo;
-}
-
-uint32_t split_objects(struct part_set *parts, uint32_t first, uint32_t count,
-                       const struct object_split *split)
-{
-    uint32_t i = first;
-    uint32_t end = first + count;
-    while (i < end) {
-        if (is_left(split, &parts->boxes[i]))
-            i++;
-        else
-            boxes_swap(parts->boxes, parts->order, i, --end);
-    }
-    return i - first;
-}
-
-// ---- in space
 
 static void load_corners(double corners[3][3], const struct part_set *parts, uint32_t index)
 {
@@ -399,7 +158,7 @@ static void bin_pieces(struct bins bins[3], const struct grid *grid, const struc
     }
 }
 
-void split_find_spatial(struct spatial_split *out, const struct part_set *parts, uint32_t first,
+void spatial_split_find(struct spatial_split *out, const struct part_set *parts, uint32_t first,
                         uint32_t count, const struct box *bounds)
 {
     struct bins bins[3];
@@ -409,13 +168,13 @@ void split_find_spatial(struct spatial_split *out, const struct part_set *parts,
         const float extent = bounds->hi[axis] - lo;
         const float width = extent / BIN_COUNT;
         // Else floats cannot tell the slabs apart.
-        set_axis(&grid, axis, lo, extent, width > FLT_MIN * 32.0f && lo + width > lo);
+        grid_set_axis(&grid, axis, lo, extent, width > FLT_MIN * 32.0f && lo + width > lo);
     }
-    fill_bins(bins, bin_pieces, &grid, parts, first, count);
+    bins_fill(bins, bin_pieces, &grid, parts, first, count);
     *out = (struct spatial_split){.cost = DBL_MAX};
     for (int axis = 0; axis < 3; axis++) {
         struct sweep sweep;
-        sweep_bins(&sweep, &bins[axis]);
+        bins_sweep(&sweep, &bins[axis]);
         if (grid.scale[axis] == 0.0f || !(sweep.cost < out->cost))
             continue;
         *out = (struct spatial_split){axis,
@@ -461,8 +220,8 @@ static enum side place_part(struct spatial_split *s, const struct box *part)
     return SIDE_RIGHT;
 }
 
-uint32_t split_spatially(uint32_t *new_count, struct part_set *parts, uint32_t first,
-                         uint32_t count, uint32_t room, const struct spatial_split *split)
+uint32_t spatial_split_apply(uint32_t *new_count, struct part_set *parts, uint32_t first,
+                             uint32_t count, uint32_t room, const struct spatial_split *split)
 {
     struct spatial_split s = *split;
     const int axis = s.axis;
