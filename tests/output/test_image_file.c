@@ -14,6 +14,7 @@
 
 #include "core/file.h"
 #include "film/tonemap.h"
+#include "lightkiln/image.h"
 #include "output/image_file.h"
 #include "scene/image_io.h"
 #include "folder.h"
