@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "core/choices.h"
+#include "lightkiln/image.h"
 #include "output/report.h"
 
 static struct lk_render_info make_info(void)
