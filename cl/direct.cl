@@ -321,20 +321,18 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
     scatter_run_end(&going, counters, bounce, queue_out);
 #else
     QUEUE_LOCAL(run);
-    SCATTER_LOCAL(going);
     for (uint i = queue_first(&counters[bounce].direct_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].direct_head, run)) {
-        const uint slot = i < count ? queue[i] : 0;
-        const bool shaded =
-            i < count && (as_uint(paths[slot].throughput_bits.w) & PATH_SHADED) != 0;
-        if (shaded)
-            traced += direct_slot(nodes, &scene, settings, batch, bounce, lights, shapes,
-                                  light_nodes, slot, rays, shades, paths, points, places);
-        if (scatters != 0) {
-            const bool goes = shaded && scatter_slot(settings, batch, bounce, slot, shades, rays,
-                                                     paths, points, places);
-            scatter_append(goes, slot, going, counters, bounce, queue_out);
-        }
+        if (i >= count)
+            continue;
+        const uint slot = queue[i];
+        if (!(as_uint(paths[slot].throughput_bits.w) & PATH_SHADED))
+            continue;
+        traced += direct_slot(nodes, &scene, settings, batch, bounce, lights, shapes, light_nodes,
+                              slot, rays, shades, paths, points, places);
+        if (scatters != 0)
+            scatter_one(settings, batch, bounce, slot, shades, rays, paths, points, places,
+                        counters, queue_out);
     }
 #endif
     if (traced != 0)

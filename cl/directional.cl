@@ -176,30 +176,27 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
     scatter_run_end(&going, counters, bounce, queue_out);
 #else
     QUEUE_LOCAL(run);
-    SCATTER_LOCAL(going);
     for (uint i = queue_first(&counters[bounce].directional_head, run); queue_group(i) < count;
          i = queue_next(i, &counters[bounce].directional_head, run)) {
-        const uint slot = i < count ? queue[i] : 0;
-        const bool shaded =
-            i < count && (as_uint(paths[slot].throughput_bits.w) & PATH_SHADED) != 0;
-        if (shaded) {
-            const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
-            float3 sum = (float3)(0.0f); // over the shadow rays
-            for (uint k = 0; k < ray_count; k++) {
-                const struct shadow shadow = directional_draw(DIRECTIONAL_ARGUMENTS, k, slot, &b,
-                                                              path_is_alone(&paths[slot]));
-                if (shadow_is_needed(&shadow)) {
-                    traced++;
-                    sum += shadow_trace(nodes, &scene, rays[slot].org.xyz, &shadow);
-                }
+        if (i >= count)
+            continue;
+        const uint slot = queue[i];
+        if (!(as_uint(paths[slot].throughput_bits.w) & PATH_SHADED))
+            continue;
+        const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
+        float3 sum = (float3)(0.0f); // over the shadow rays
+        for (uint k = 0; k < ray_count; k++) {
+            const struct shadow shadow =
+                directional_draw(DIRECTIONAL_ARGUMENTS, k, slot, &b, path_is_alone(&paths[slot]));
+            if (shadow_is_needed(&shadow)) {
+                traced++;
+                sum += shadow_trace(nodes, &scene, rays[slot].org.xyz, &shadow);
             }
-            paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
         }
-        if (scatters != 0) {
-            const bool goes = shaded && scatter_slot(settings, batch, bounce, slot, shades, rays,
-                                                     paths, points, places);
-            scatter_append(goes, slot, going, counters, bounce, queue_out);
-        }
+        paths[slot].radiance_normal.xyz += paths[slot].throughput_bits.xyz * sum;
+        if (scatters != 0)
+            scatter_one(settings, batch, bounce, slot, shades, rays, paths, points, places,
+                        counters, queue_out);
     }
 #endif
     if (traced != 0)

@@ -37,11 +37,9 @@ __kernel __attribute__((reqd_work_group_size(WG_SCATTER, 1, 1))) void scatter(
     }
     scatter_run_end(&going, counters, bounce, queue_out);
 #else
-    SCATTER_LOCAL(going);
     const uint i = get_global_id(0);
-    const uint slot = i < count ? queue[i] : 0;
-    const bool goes = i < count && scatter_slot(settings, batch, bounce, slot, shades, rays, paths,
-                                                points, places);
-    scatter_append(goes, slot, going, counters, bounce, queue_out);
+    if (i < count)
+        scatter_one(settings, batch, bounce, queue[i], shades, rays, paths, points, places,
+                    counters, queue_out);
 #endif
 }

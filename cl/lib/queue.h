@@ -109,7 +109,7 @@ static inline uint queue_fetch(volatile __global uint *head, uint *queue)
 #define QUEUE_LOCAL(name)          const uint name = 0
 #define queue_first(head, queue)   ((uint)get_global_id(0) + (queue))
 #define queue_next(i, head, queue) 0xffffffffu
-#define queue_group(i)             ((i) - (uint)get_local_id(0))
+#define queue_group(i)             (i)
 
 #endif
 

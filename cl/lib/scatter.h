@@ -15,7 +15,6 @@
 #include "lib/bsdf.h"
 #include "lib/samples.h"
 #include "lib/shade_lanes.h"
-#include "lib/warp.h"
 
 // The bits of a path that goes on.
 static inline uint scatter_flags(__constant struct settings *settings, const uint bounce)
@@ -146,44 +145,20 @@ static inline void scatter_eight(
         scatter_run_end(run, counters, bounce, queue_out);
 }
 
-#elif WARP_VOTES
-
-#define SCATTER_LOCAL(name) const uint name = 0
-
-// Hands the slot to the next bounce if its path goes on: one atomic for the lanes that are here.
-static inline void scatter_append(const bool goes, const uint slot, const uint unused,
-                                  __global struct counters *counters, const uint bounce,
-                                  __global uint *restrict queue_out)
-{
-    (void)unused;
-    if (goes)
-        queue_out[warp_fetch(&counters[bounce + 1].active)] = slot;
-}
-
 #else
 
-#define SCATTER_LOCAL(name) __local uint name[2] // paths of the group that go on, and their place
-
-// Hands the slot to the next bounce if its path goes on: one atomic for the group. All its items
-// must come here.
-static inline void scatter_append(const bool goes, const uint slot, __local uint *group,
-                                  __global struct counters *counters, const uint bounce,
-                                  __global uint *restrict queue_out)
+// Sends the path of one slot on into the next bounce's queue, if it goes on. NVIDIA's compiler
+// makes one atomic of those of a warp. Groups need no other: the barriers for that would have to
+// stand in loops that have none, where PoCL 3.1 compiles them wrongly.
+static inline void scatter_one(
+    __constant struct settings *settings, const struct batch batch, const uint bounce,
+    const uint slot, __global const struct shade *restrict shades,
+    __global struct ray *restrict rays, __global struct path *restrict paths,
+    __global const uint4 *restrict points, __global const uint *restrict places,
+    __global struct counters *counters, __global uint *restrict queue_out)
 {
-    const uint item = get_local_id(0);
-    uint place = 0;
-    if (item == 0)
-        group[0] = 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (goes)
-        place = atomic_inc(&group[0]);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (item == 0)
-        group[1] = atomic_add(&counters[bounce + 1].active, group[0]);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (goes)
-        queue_out[group[1] + place] = slot;
-    barrier(CLK_LOCAL_MEM_FENCE);
+    if (scatter_slot(settings, batch, bounce, slot, shades, rays, paths, points, places))
+        queue_out[atomic_inc(&counters[bounce + 1].active)] = slot;
 }
 
 #endif

@@ -1,4 +1,4 @@
-// The scatter kernel as GPUs have it: groups of items whose paths find their places together.
+// The scatter kernel as GPUs have it: an item takes one path.
 
 #define SHADE_LANES 0
 

@@ -190,12 +190,12 @@ static void scatter_agrees_on_any_share(void **state)
     check_shares(device_of(state), false);
 }
 
-static void groups_of_items_agree_at_every_count(void **state)
+static void single_items_agree_at_every_count(void **state)
 {
     check_counts(device_of(state), true);
 }
 
-static void groups_of_items_agree_on_any_share(void **state)
+static void single_items_agree_on_any_share(void **state)
 {
     check_shares(device_of(state), true);
 }
@@ -205,8 +205,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scatter_agrees_at_every_count),
         cmocka_unit_test(scatter_agrees_on_any_share),
-        cmocka_unit_test(groups_of_items_agree_at_every_count),
-        cmocka_unit_test(groups_of_items_agree_on_any_share),
+        cmocka_unit_test(single_items_agree_at_every_count),
+        cmocka_unit_test(single_items_agree_on_any_share),
     };
     return cmocka_run_group_tests(tests, device_setup, device_teardown);
 }
