@@ -25,7 +25,9 @@ LIBS         := $(shell pkg-config --libs $(PACKAGES) 2>/dev/null) -lm
 # The library is everything but main.c and cli/; the command links it and reaches it through lightkiln.h.
 CLI_SRC  := src/main.c $(wildcard src/cli/*.c)
 LIB_SRC  := $(filter-out $(CLI_SRC),$(wildcard src/*.c src/*/*.c src/*/*.cpp))
-TEST_SRC := $(wildcard tests/*/test_*.c)
+# Long ones first, so that none is left alone at the end.
+TEST_SRC := $(wildcard tests/ref/test_*.c) $(wildcard tests/engine/test_*.c)
+TEST_SRC += $(filter-out $(TEST_SRC),$(wildcard tests/*/test_*.c))
 HELP_SRC := $(wildcard tests/*.c)
 object    = $(patsubst %,$(B)/%.o,$(basename $(1)))
 LIB_OBJ  := $(call object,$(LIB_SRC)) $(B)/gen/cl_sources.o

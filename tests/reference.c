@@ -255,7 +255,7 @@ static uint32_t judge_variants(const struct subject *s)
     return count + judge_variant(s, &variant);
 }
 
-void image_agrees_with_its_reference(void **state)
+static void image_agrees_with_its_reference(void **state)
 {
     struct subject s;
     open_subject(&s, *state);
@@ -298,7 +298,7 @@ static double find_variance(struct subject *s, enum lk_sampler sampler, uint32_t
     return comparison.variance - 3.0 * s->reference->noise * s->reference->noise;
 }
 
-void variance_falls_as_one_over_samples(void **state)
+static void variance_falls_as_one_over_samples(void **state)
 {
     struct subject s;
     open_subject(&s, *state);
@@ -317,4 +317,16 @@ void variance_falls_as_one_over_samples(void **state)
     assert_true(fabs(log(v64 / v16) / log(4.0) + 1.0) < 0.04);
     assert_true(spread64 < 0.75 * v64);
     close_subject(&s);
+}
+
+int references_run(const struct reference *references, size_t count, const struct reference *varied)
+{
+    struct CMUnitTest tests[count + (varied != NULL)];
+    for (size_t i = 0; i < count; i++)
+        tests[i] = (struct CMUnitTest)cmocka_unit_test_prestate(image_agrees_with_its_reference,
+                                                                (void *)&references[i]);
+    if (varied != NULL)
+        tests[count] = (struct CMUnitTest)cmocka_unit_test_prestate(
+            variance_falls_as_one_over_samples, (void *)varied);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,14 +58,22 @@ static void set_pose(scene_light &light, const node_pose &pose, const std::strin
     }
 }
 
+// The index of the light that a node has by an extension, and the node's label; -1 if it has none.
+static int find_light(std::string &owner, const tinygltf::Node &node, int node_index,
+                      const char *name)
+{
+    const tinygltf::Value *extension = find_extension(node.extensions, name);
+    if (extension == nullptr)
+        return -1;
+    owner = label("node", static_cast<size_t>(node_index), node.name);
+    return index_member(*extension, "light", owner);
+}
+
 static void place_punctual(import_context &context, int node_index)
 {
     const tinygltf::Node &node = context.model.nodes[static_cast<size_t>(node_index)];
-    const tinygltf::Value *extension = find_extension(node.extensions, "KHR_lights_punctual");
-    if (extension == nullptr)
-        return;
-    const std::string owner = label("node", static_cast<size_t>(node_index), node.name);
-    const int index = index_member(*extension, "light", owner);
+    std::string owner;
+    const int index = find_light(owner, node, node_index, "KHR_lights_punctual");
     if (index < 0)
         return;
     if (static_cast<size_t>(index) >= context.model.lights.size())
@@ -132,11 +140,8 @@ static scene_light convert_area(const tinygltf::Value &source, const std::string
 static void place_area(import_context &context, int node_index)
 {
     const tinygltf::Node &node = context.model.nodes[static_cast<size_t>(node_index)];
-    const tinygltf::Value *extension = find_extension(node.extensions, "EXT_lights_area");
-    if (extension == nullptr)
-        return;
-    const std::string owner = label("node", static_cast<size_t>(node_index), node.name);
-    const int index = index_member(*extension, "light", owner);
+    std::string owner;
+    const int index = find_light(owner, node, node_index, "EXT_lights_area");
     if (index < 0)
         return;
     const tinygltf::Value *root = find_extension(context.model.extensions, "EXT_lights_area");

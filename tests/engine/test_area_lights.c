@@ -8,12 +8,11 @@
 
 #include <math.h>
 
-#include "gltf_writer.h"
-#include "render_support.h"
+#include "form_factor.h"
+#include "see.h"
 
 #define PI        3.14159265358979323846
-#define SPOT      1e-4f // half the side of what the camera sees, m
-#define HEIGHT    2.0f  // of the lights over the plane, m
+#define HEIGHT    2.0f // of the lights over the plane, m
 #define NITS      5.0
 #define TOLERANCE 3e-4 // relative: as in test_closed_forms.c
 
@@ -24,20 +23,16 @@ static const float origin[3] = {0.0f, 0.0f, 0.0f};
 static void add_plane(struct gltf_writer *writer, float x)
 {
     gltf_floor(writer, gltf_lambert(writer, 0.6), 0.0f, 50.0f, true);
-    gltf_camera_flat(writer, "down", (const float[]){x, 1.0f, 0.0f}, (const float[]){x, 0.0f, 0.0f},
-                     SPOT);
+    look_down(writer, x, 0.0f);
 }
 
 static struct estimate see(struct gltf_writer *writer, enum lk_light_sampler sampler)
 {
-    struct lk_scene *scene = gltf_load(writer);
     struct lk_settings settings = test_settings(16, 16, 1024);
     settings.depth = 1;
     settings.quantity = LK_IRRADIANCE;
     settings.light_sampler = sampler;
-    const struct estimate estimate = estimate_point(scene, &settings);
-    lk_scene_free(scene);
-    return estimate;
+    return see_point(writer, &settings);
 }
 
 // On the axis of a disc of radius r at distance d: E = pi L r^2 / (r^2 + d^2).
@@ -56,17 +51,6 @@ static void disc_overhead_gives_its_form_factor(void **state)
     }
 }
 
-// Form factor from a surface element to a parallel rectangle a by b over one of its corners (J. R.
-// Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-3).
-static double parallel_factor(double a, double b, double c)
-{
-    const double x = a / c;
-    const double y = b / c;
-    const double p = sqrt(1.0 + x * x);
-    const double q = sqrt(1.0 + y * y);
-    return (x / p * atan(y / p) + y / q * atan(x / q)) / (2.0 * PI);
-}
-
 // The rectangle's middle is overhead: four quarters.
 static void rectangle_overhead_gives_its_form_factor(void **state)
 {
@@ -79,7 +63,7 @@ static void rectangle_overhead_gives_its_form_factor(void **state)
                         "{\"type\":\"rect\",\"size\":1,\"rect\":{\"aspect\":3},\"intensity\":%g,"
                         "\"color\":[1,1,1]}",
                         NITS);
-        const double exact = NITS * PI * 4.0 * parallel_factor(1.5, 0.5, HEIGHT);
+        const double exact = NITS * PI * 4.0 * form_factor_parallel(1.5, 0.5, HEIGHT);
         assert_agrees("rectangle", see(&writer, (enum lk_light_sampler)sampler), exact, TOLERANCE);
     }
 }

@@ -12,55 +12,41 @@
 #include <math.h>
 #include <string.h>
 
-#include "gltf_writer.h"
-#include "render_support.h"
+#include "form_factor.h"
+#include "see.h"
 
 #define PI        3.14159265358979323846
-#define SPOT      1e-4f // half the side of what the camera sees, m
 #define ALBEDO    0.6
 #define INTENSITY 50.0 // cd
 #define HEIGHT    2.0f // of the lights over the plane, m
 
-// Relative: SPOT / HEIGHT moves E by 1e-4 at most, and the middle of the spot by far less; a normal
-// of 32 bits adds 2e-5 of its angle; float rounding the rest.
+// Relative: SPECK / HEIGHT moves E by 1e-4 at most, and the middle of the spot by far less; a
+// normal of 32 bits adds 2e-5 of its angle; float rounding the rest.
 #define TOLERANCE 2e-4
-
-// Adds a camera that looks straight down at (x, 0, z).
-static void look_down_at(struct gltf_writer *writer, float x, float z)
-{
-    gltf_camera_flat(writer, "down", (const float[]){x, 1.0f, z}, (const float[]){x, 0.0f, z},
-                     SPOT);
-}
 
 // A plane at y = 0 seen at (x, 0, 0).
 static void add_plane(struct gltf_writer *writer, float x)
 {
     gltf_floor(writer, gltf_lambert(writer, ALBEDO), 0.0f, 50.0f, true);
-    look_down_at(writer, x, 0.0f);
+    look_down(writer, x, 0.0f);
 }
 
 // What the camera sees of the direct light.
-static double see_mean(struct gltf_writer *writer, enum lk_quantity quantity)
+static double see_punctual(struct gltf_writer *writer, enum lk_quantity quantity)
 {
-    struct lk_scene *scene = gltf_load(writer);
     struct lk_settings settings = test_settings(4, 4, 4);
     settings.depth = 1;
     settings.quantity = quantity;
-    const double mean = render_mean(scene, &settings);
-    lk_scene_free(scene);
-    return mean;
+    return see_mean(writer, &settings);
 }
 
 // The same of a light with an area, whose samples scatter.
 static struct estimate see(struct gltf_writer *writer)
 {
-    struct lk_scene *scene = gltf_load(writer);
     struct lk_settings settings = test_settings(16, 16, 1024);
     settings.depth = 1;
     settings.quantity = LK_IRRADIANCE;
-    const struct estimate estimate = estimate_point(scene, &settings);
-    lk_scene_free(scene);
-    return estimate;
+    return see_point(writer, &settings);
 }
 
 static void assert_close(const char *what, double value, double exact)
@@ -88,7 +74,7 @@ static double see_point_light(double x, double range, enum lk_quantity quantity)
     add_plane(&writer, (float)x);
     gltf_light(&writer, (const float[]){0.0f, HEIGHT, 0.0f}, (const float[]){0.0f, 0.0f, 0.0f},
                "{\"type\":\"point\",\"intensity\":%g%s}", INTENSITY, text);
-    return see_mean(&writer, quantity);
+    return see_punctual(&writer, quantity);
 }
 
 static void point_light_gives_intensity_cos_over_squared_distance(void **state)
@@ -131,7 +117,7 @@ static double see_spot(double x, double inner, double outer)
                "{\"type\":\"spot\",\"intensity\":%g,\"spot\":{\"innerConeAngle\":%.9g,"
                "\"outerConeAngle\":%.9g}}",
                INTENSITY, inner, outer);
-    return see_mean(&writer, LK_IRRADIANCE);
+    return see_punctual(&writer, LK_IRRADIANCE);
 }
 
 static void spot_falls_off_between_its_cones(void **state)
@@ -159,7 +145,7 @@ static void spot_defaults_to_an_eighth_of_a_turn(void **state)
     add_plane(&writer, (float)x);
     gltf_light(&writer, (const float[]){0.0f, HEIGHT, 0.0f}, (const float[]){0.0f, 0.0f, 0.0f},
                "{\"type\":\"spot\",\"intensity\":%g,\"spot\":{}}", INTENSITY);
-    assert_close("default cones", see_mean(&writer, LK_IRRADIANCE),
+    assert_close("default cones", see_punctual(&writer, LK_IRRADIANCE),
                  spot_irradiance(x, 0.0, PI / 4.0));
 }
 
@@ -174,7 +160,7 @@ static void directional_light_gives_its_lux_times_the_cosine(void **state)
         gltf_light(&writer, (const float[]){towards[i], 1.0f, 0.0f}, (const float[]){0, 0, 0},
                    "{\"type\":\"directional\",\"intensity\":3}");
         const double cosine = 1.0 / sqrt(1.0 + (double)towards[i] * towards[i]);
-        assert_close("lux", see_mean(&writer, LK_IRRADIANCE), 3.0 * cosine);
+        assert_close("lux", see_punctual(&writer, LK_IRRADIANCE), 3.0 * cosine);
     }
 }
 
@@ -188,33 +174,12 @@ static void light_from_behind_the_plane_does_not_arrive(void **state)
                "{\"type\":\"point\",\"intensity\":100}");
     gltf_light(&writer, (const float[]){0.1f, -1.0f, 0.0f}, (const float[]){0, 0, 0},
                "{\"type\":\"directional\",\"intensity\":100}");
-    assert_true(see_mean(&writer, LK_RADIANCE) == 0.0);
+    assert_true(see_punctual(&writer, LK_RADIANCE) == 0.0);
 }
 
 // ---- Surfaces that emit
 
 #define RADIANCE 7.0
-
-// Form factor from a surface element to a parallel rectangle a by b over one of its corners, at
-// distance c (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-3).
-static double parallel_factor(double a, double b, double c)
-{
-    const double x = a / c;
-    const double y = b / c;
-    const double p = sqrt(1.0 + x * x);
-    const double q = sqrt(1.0 + y * y);
-    return (x / p * atan(y / p) + y / q * atan(x / q)) / (2.0 * PI);
-}
-
-// Form factor from a surface element to a rectangle that stands upright before it: b wide to one
-// side from where it is nearest, at distance c, a high from the element's own level (catalog B-4).
-static double upright_factor(double a, double b, double c)
-{
-    const double x = a / b;
-    const double y = c / b;
-    const double r = sqrt(x * x + y * y);
-    return (atan(1.0 / y) - y / r * atan(1.0 / r)) / (2.0 * PI);
-}
 
 static void rectangle_overhead_gives_its_form_factor(void **state)
 {
@@ -225,7 +190,8 @@ static void rectangle_overhead_gives_its_form_factor(void **state)
     const int material = gltf_emitter(&writer, 0.0, RADIANCE, false);
     gltf_quad(&writer, material,
               (const float[]){0, HEIGHT, 0, 3, HEIGHT, 0, 3, HEIGHT, 1.5f, 0, HEIGHT, 1.5f});
-    assert_agrees("E", see(&writer), RADIANCE * PI * parallel_factor(3.0, 1.5, HEIGHT), TOLERANCE);
+    assert_agrees("E", see(&writer), RADIANCE * PI * form_factor_parallel(3.0, 1.5, HEIGHT),
+                  TOLERANCE);
 }
 
 static void upright_rectangle_gives_its_form_factor(void **state)
@@ -237,7 +203,7 @@ static void upright_rectangle_gives_its_form_factor(void **state)
     const int material = gltf_emitter(&writer, 0.0, RADIANCE, false);
     gltf_quad(&writer, material,
               (const float[]){1.2f, 0, 0, 1.2f, 0, 2, 1.2f, 2.5f, 2, 1.2f, 2.5f, 0});
-    assert_agrees("E", see(&writer), RADIANCE * PI * upright_factor(2.5, 2.0, 1.2), TOLERANCE);
+    assert_agrees("E", see(&writer), RADIANCE * PI * form_factor_upright(2.5, 2.0, 1.2), TOLERANCE);
 }
 
 // Irradiance of the level plane at the origin by a polygon of radiance 1 above it (Lambert's
@@ -313,8 +279,8 @@ static void depth_one_is_emission_and_direct_light(void **state)
     struct lk_settings settings = test_settings(16, 16, 64);
     const double direct = RADIANCE * 4.0 * ALBEDO; // times the form factors of four quarters
     const double factors[] = {
-        parallel_factor(1.25, 1.0, HEIGHT), parallel_factor(1.25, 1.0, HEIGHT),
-        parallel_factor(0.75, 1.0, HEIGHT), parallel_factor(0.75, 1.0, HEIGHT)};
+        form_factor_parallel(1.25, 1.0, HEIGHT), form_factor_parallel(1.25, 1.0, HEIGHT),
+        form_factor_parallel(0.75, 1.0, HEIGHT), form_factor_parallel(0.75, 1.0, HEIGHT)};
     double share = 0.0;
     for (int i = 0; i < 4; i++)
         share += factors[i] / 4.0;

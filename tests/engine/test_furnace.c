@@ -10,8 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "gltf_writer.h"
-#include "render_support.h"
+#include "see.h"
 
 #define PI       3.14159265358979323846
 #define RADIANCE 2.0
@@ -246,14 +245,10 @@ static struct estimate see_albedo(const struct surface *s, double angle_rad)
         &writer, "view",
         (const float[]){(float)(0.8 * sin(angle_rad)), (float)(0.8 * cos(angle_rad)), 0.0f},
         (const float[]){0, 0, 0}, 1e-3);
-    struct lk_scene *scene = gltf_load(&writer);
     struct lk_settings settings = test_settings(32, 32, 256);
     settings.depth = 1;
-    struct estimate estimate = estimate_point(scene, &settings);
-    estimate.mean /= RADIANCE;
-    estimate.error /= RADIANCE;
-    lk_scene_free(scene);
-    return estimate;
+    const struct estimate seen = see_point(&writer, &settings);
+    return (struct estimate){seen.mean / RADIANCE, seen.error / RADIANCE};
 }
 
 static void gltf_materials_match_the_specification_in_a_furnace(void **state)

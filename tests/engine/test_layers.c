@@ -10,8 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "gltf_writer.h"
-#include "render_support.h"
+#include "see.h"
 
 #define RADIANCE 2.0
 #define ROUNDING 2e-4 // relative: float sums, and normals of 32 bits
@@ -42,15 +41,13 @@ static void pane_shows_the_lamp_times_its_colour(void **state)
     gltf_floor(&writer, gltf_emitter(&writer, 0.0, RADIANCE, false), 0.0f, 1.0f, true);
     gltf_floor(&writer, add_glass(&writer, color, 0.0), 0.5f, 1.0f, true);
     gltf_camera_flat(&writer, "down", (const float[]){0, 1, 0}, origin, 0.5);
-    struct lk_scene *scene = gltf_load(&writer);
     struct lk_settings settings = test_settings(64, 64, 64);
     settings.depth = 1;
-    const struct rgb seen = render_rgb(scene, &settings);
+    const struct rgb seen = see_rgb(&writer, &settings);
     const double chance = sqrt(0.1 / 0.9 / (64.0 * 64.0 * 64.0)); // of meeting the pane
     for (int k = 0; k < 3; k++)
         assert_agrees("seen", (struct estimate){seen.v[k], seen.v[k] * chance}, color[k] * RADIANCE,
                       ROUNDING);
-    lk_scene_free(scene);
 }
 
 // A floor below panes below a point light, seen from below them.
@@ -65,12 +62,9 @@ static struct rgb see_shadow(const double colors[][3], uint32_t pane_count, doub
                "{\"type\":\"point\",\"intensity\":10}");
     // Wide enough that no two rays are the same float by float: what chance decides would be, too.
     gltf_camera_flat(&writer, "below", (const float[]){0, 0.25f, 0}, origin, 0.05);
-    struct lk_scene *scene = gltf_load(&writer);
     struct lk_settings settings = test_settings(64, 64, 16);
     settings.depth = 1;
-    const struct rgb seen = render_rgb(scene, &settings);
-    lk_scene_free(scene);
-    return seen;
+    return see_rgb(&writer, &settings);
 }
 
 static void shadows_of_panes_multiply_whatever_their_order(void **state)
@@ -137,13 +131,10 @@ static struct estimate see_glossy(const double *color, enum lk_light_sampler sam
         gltf_floor(&writer, add_glass(&writer, color, 0.0), 0.5f, 5.0f, true);
     gltf_floor(&writer, gltf_emitter(&writer, 0.0, RADIANCE, false), 2.0f, 0.7f, false);
     gltf_camera_flat(&writer, "below", (const float[]){0.2f, 0.4f, 0}, origin, 1e-3);
-    struct lk_scene *scene = gltf_load(&writer);
     struct lk_settings settings = test_settings(32, 32, 256);
     settings.light_sampler = sampler;
     settings.depth = 1;
-    const struct estimate seen = estimate_point(scene, &settings);
-    lk_scene_free(scene);
-    return seen;
+    return see_point(&writer, &settings);
 }
 
 static void panes_tint_lamps_the_same_for_every_way_to_find_them(void **state)
@@ -171,14 +162,10 @@ static struct estimate see_sheet(int material, struct gltf_writer *writer, doubl
         writer, "view",
         (const float[]){(float)(0.5 * sin(angle_rad)), (float)(0.5 * cos(angle_rad)), 0.0f}, origin,
         1e-3);
-    struct lk_scene *scene = gltf_load(writer);
     struct lk_settings settings = test_settings(32, 32, 256);
     settings.depth = 1;
-    struct estimate seen = estimate_point(scene, &settings);
-    seen.mean /= RADIANCE;
-    seen.error /= RADIANCE;
-    lk_scene_free(scene);
-    return seen;
+    const struct estimate seen = see_point(writer, &settings);
+    return (struct estimate){seen.mean / RADIANCE, seen.error / RADIANCE};
 }
 
 static struct estimate see_layers(double angle_rad, double base, double metallic, double roughness,
@@ -304,12 +291,9 @@ static struct rgb see_mapped(const char *format, double angle_rad)
     gltf_camera_flat(&writer, "view",
                      (const float[]){(float)sin(angle_rad), (float)cos(angle_rad), 0}, origin,
                      1e-3);
-    struct lk_scene *scene = gltf_load(&writer);
     struct lk_settings settings = test_settings(32, 32, 64);
     settings.depth = 1;
-    const struct rgb seen = render_rgb(scene, &settings);
-    lk_scene_free(scene);
-    return seen;
+    return see_rgb(&writer, &settings);
 }
 
 static void clearcoat_follows_its_own_normal_map(void **state)

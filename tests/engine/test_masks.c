@@ -6,47 +6,11 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "gltf_writer.h"
-#include "render_support.h"
+#include "see.h"
 
-#define RADIANCE  5.0
-#define TOLERANCE 2e-4 // relative: float rounding, normals of 32 bits
+#define RADIANCE 5.0
 
 static const float origin[3] = {0.0f, 0.0f, 0.0f};
-
-// A camera that sees a speck of the plane y = 0 from above at the origin.
-static void look_down(struct gltf_writer *writer)
-{
-    gltf_camera_flat(writer, "down", (const float[]){0, 1, 0}, origin, 1e-4);
-}
-
-static void add_point_light(struct gltf_writer *writer, float x, float y, float z)
-{
-    gltf_light(writer, (const float[]){x, y, z}, origin, "{\"type\":\"point\",\"intensity\":10}");
-}
-
-// Renders the scene of the writer and empties it.
-static struct rgb see(struct gltf_writer *writer, const struct lk_settings *settings)
-{
-    struct lk_scene *scene = gltf_load(writer);
-    const struct rgb seen = render_rgb(scene, settings);
-    lk_scene_free(scene);
-    return seen;
-}
-
-static double see_grey(struct gltf_writer *writer, uint32_t depth)
-{
-    struct lk_settings settings = test_settings(8, 8, 4);
-    settings.depth = depth;
-    const struct rgb seen = see(writer, &settings);
-    assert_true(seen.v[0] == seen.v[1] && seen.v[1] == seen.v[2]);
-    return seen.v[0];
-}
-
-static void assert_close(double value, double exact)
-{
-    assert_agrees("seen", (struct estimate){value, 0.0}, exact, TOLERANCE);
-}
 
 // A masked sheet at y = 0.5 with this alpha, in black.
 static void add_sheet(struct gltf_writer *writer, double alpha)
@@ -67,7 +31,7 @@ static double see_through_sheet(double alpha, bool lamp)
         add_sheet(&writer, alpha);
     if (lamp) {
         gltf_floor(&writer, gltf_emitter(&writer, 0.0, RADIANCE, false), 0.0f, 1.0f, true);
-        look_down(&writer);
+        look_down(&writer, 0.0f, 0.0f);
     } else {
         gltf_floor(&writer, gltf_lambert(&writer, 0.5), 0.0f, 5.0f, true);
         add_point_light(&writer, 0.4f, 2.0f, -0.3f);
@@ -80,7 +44,7 @@ static void mask_lets_camera_rays_through(void **state)
 {
     (void)state;
     skip_without_device();
-    assert_close(see_through_sheet(0.4, true), RADIANCE);
+    assert_seen(see_through_sheet(0.4, true), RADIANCE);
     assert_true(see_through_sheet(0.6, true) == 0.0);
 }
 
@@ -90,7 +54,7 @@ static void mask_lets_shadow_rays_through(void **state)
     skip_without_device();
     const double free_way = see_through_sheet(-1.0, false);
     assert_true(free_way > 0.0);
-    assert_close(see_through_sheet(0.4, false), free_way);
+    assert_seen(see_through_sheet(0.4, false), free_way);
     assert_true(see_through_sheet(0.6, false) == 0.0);
 }
 
@@ -107,14 +71,14 @@ static double see_bounce(double alpha)
     gltf_camera_flat(&writer, "below", (const float[]){0, 0.25f, 0}, origin, 1e-4);
     struct lk_settings settings = test_settings(4, 4, 4);
     settings.brdf = LK_BRDF_PHONG;
-    return see(&writer, &settings).v[0];
+    return see_rgb(&writer, &settings).v[0];
 }
 
 static void mask_lets_bounces_through(void **state)
 {
     (void)state;
     skip_without_device();
-    assert_close(see_bounce(0.4), 0.5 * RADIANCE);
+    assert_seen(see_bounce(0.4), 0.5 * RADIANCE);
     assert_true(see_bounce(0.6) == 0.0);
 }
 
@@ -151,13 +115,10 @@ static struct estimate see_half_lamp(bool masked)
                   (const float[]){-1, 2, -1, 0, 2, -1, 0, 2, 1, -1, 2, 1});
     gltf_camera_flat(&writer, "aside", (const float[]){0.5f, 1, 0}, (const float[]){0.5f, 0, 0},
                      1e-4);
-    struct lk_scene *scene = gltf_load(&writer);
     struct lk_settings settings = test_settings(32, 32, 256);
     settings.quantity = LK_IRRADIANCE;
     settings.depth = 1;
-    const struct estimate seen = estimate_point(scene, &settings);
-    lk_scene_free(scene);
-    return seen;
+    return see_point(&writer, &settings);
 }
 
 static void masked_lamp_shines_where_it_is_solid(void **state)

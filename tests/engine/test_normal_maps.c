@@ -10,8 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "gltf_writer.h"
-#include "render_support.h"
+#include "see.h"
 
 #define TOLERANCE 3e-4 // relative: tangents and normals of 32 bits
 
@@ -63,13 +62,10 @@ static double see_floor(struct texel t, double scale, const char *node, bool bel
     gltf_light(&writer, (const float[]){1, 2.0f * side, 1}, origin,
                "{\"type\":\"directional\",\"intensity\":1}");
     gltf_camera_flat(&writer, "view", (const float[]){0, side, 0}, origin, 1e-3);
-    struct lk_scene *scene = gltf_load(&writer);
     struct lk_settings settings = test_settings(4, 4, 1);
     settings.depth = 1;
     settings.quantity = quantity;
-    const double seen = render_mean(scene, &settings);
-    lk_scene_free(scene);
-    return seen;
+    return see_mean(&writer, &settings);
 }
 
 static double expected_of(const double *normal, double x, double y, double z)

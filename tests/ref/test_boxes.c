@@ -1,11 +1,5 @@
 // The Cornell box and the scenes of single effects against their references.
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
-
 #include "reference.h"
 
 #define CORNELL "cornell/cornell.gltf"
@@ -34,18 +28,6 @@ static const struct reference references[] = {
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[0]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[1]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[2]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[3]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[4]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[5]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[6]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[7]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[8]),
-        cmocka_unit_test_prestate(variance_falls_as_one_over_samples,
-                                  (void *)&references[VARIANCE_REFERENCE]),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return references_run(references, sizeof(references) / sizeof(references[0]),
+                          &references[VARIANCE_REFERENCE]);
 }

@@ -1,11 +1,5 @@
 // Sibenik with five lights against its references.
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
-
 #include "reference.h"
 
 #define SIBENIK "sibenik/sibenik_5lights_diffuse.gltf"
@@ -40,10 +34,5 @@ static const struct reference references[] = {
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[0]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[1]),
-        cmocka_unit_test_prestate(image_agrees_with_its_reference, (void *)&references[2]),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return references_run(references, sizeof(references) / sizeof(references[0]), NULL);
 }
