@@ -15,6 +15,7 @@
 extern "C" {
 #endif
 
+/** One OpenCL device, usable or not. */
 struct lk_device_info {
     char platform[128];
     char name[128];

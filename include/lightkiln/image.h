@@ -22,6 +22,7 @@ struct lk_image;
 LK_API const float *lk_image_pixels(const struct lk_image *image, uint32_t *width,
                                     uint32_t *height);
 
+/** The curve of 8-bit files. */
 enum lk_tonemap {
     LK_TONEMAP_AUTO, // aces for 8-bit files
     LK_TONEMAP_NONE,
@@ -50,7 +51,8 @@ LK_API enum lk_status lk_image_write(const struct lk_image *image, const char *p
  * LK_USAGE or LK_WRITE if not. */
 LK_API enum lk_status lk_image_can_write(const char *path);
 
-/** Reads an image file as linear RGB; 8-bit files are decoded from sRGB. */
+/** Reads an image file as linear RGB; 8-bit files are decoded from sRGB. @retval LK_IO, LK_FORMAT,
+ * LK_UNSUPPORTED, LK_NO_MEMORY */
 LK_API enum lk_status lk_image_read(struct lk_image **out, const char *path);
 
 /**
@@ -62,8 +64,10 @@ LK_API enum lk_status lk_image_read(struct lk_image **out, const char *path);
 LK_API enum lk_status lk_image_create(struct lk_image **out, const float *pixels, uint32_t width,
                                       uint32_t height);
 
+/** Releases it, and with it the info and the pixels. NULL is accepted. */
 LK_API void lk_image_free(struct lk_image *image);
 
+/** How far an image is from a reference; values are linear. */
 struct lk_comparison {
     double variance; // thesis section 4.2.2: mean over pixels of the summed squared differences of
                      // R, G and B

@@ -27,12 +27,13 @@ struct lk_progress {
     double mrays_per_s; // million rays a second so far, shadow rays counted
 };
 
+/** Who hears it. */
 struct lk_progress_hook {
     bool (*function)(void *user, const struct lk_progress *progress); // false cancels; borrowed
     void *user;
 };
 
-struct lk_image;
+struct lk_image; // lightkiln/image.h
 
 /**
  * Renders. Equal scene, settings and device give equal bits. So do several devices of one kind, and
@@ -53,6 +54,7 @@ LK_API enum lk_status lk_render(struct lk_image **out, struct lk_scene *scene,
                                 const struct lk_settings *settings,
                                 const struct lk_progress_hook *hook);
 
+/** What all launches of one kernel took. */
 struct lk_kernel_time {
     char name[32];
     uint64_t calls;
@@ -85,6 +87,7 @@ struct lk_tracing {
     enum lk_reason reason;
 };
 
+/** Most that are told of. */
 #define LK_KERNELS_MAX 32
 #define LK_DEVICES_MAX 16
 

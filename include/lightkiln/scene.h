@@ -25,8 +25,10 @@ struct lk_scene;
  */
 LK_API enum lk_status lk_scene_load(struct lk_scene **out, const char *path);
 
+/** Releases it; what was borrowed from it is gone, too. NULL is accepted. */
 LK_API void lk_scene_free(struct lk_scene *scene);
 
+/** How many lights there are of each kind. */
 struct lk_lights {
     uint64_t point, spot, rect, disc, directional; // the sun of a sky is directional
     uint64_t emissive_triangles;                   // those in rectangles, too
@@ -46,6 +48,7 @@ struct lk_memory {
     uint64_t peak_host; // largest resident size of this process so far
 };
 
+/** What a scene holds, and what its render does. */
 struct lk_scene_info {
     const char *file;         // as given; borrowed from the scene
     uint64_t triangles;       // after flattening instances
@@ -62,6 +65,9 @@ struct lk_settings;
  * Tells what a render of this scene would hold, without rendering or touching any device. Does the
  * preparation if it has not been done for these settings. The ray queue is taken as large as the
  * image or 2^21 paths, whichever is less, and the BVH as binary unless the settings name a layout.
+ *
+ * @retval LK_USAGE (a setting is out of range, or there is no such camera), LK_NO_MEMORY,
+ * LK_FORMAT, LK_LIMIT; LK_IO (the image of the surroundings)
  */
 LK_API enum lk_status lk_scene_info(struct lk_scene_info *out, struct lk_scene *scene,
                                     const struct lk_settings *settings);

@@ -14,6 +14,7 @@
 extern "C" {
 #endif
 
+/** What a pixel holds. */
 enum lk_quantity {
     LK_RADIANCE,   // what the camera sees, cd/m2
     LK_IRRADIANCE, // at the first hit, all that arrives on the shaded side, lux; its own colour and
@@ -21,12 +22,14 @@ enum lk_quantity {
     LK_DIRECT      // radiance of emission and direct light alone
 };
 
+/** How surfaces reflect. */
 enum lk_brdf {
     LK_BRDF_GLTF, // metallic-roughness of glTF 2.0 appendix B, and specular-glossiness
     LK_BRDF_PHONG // the thesis's: diffuse + specular colour, exponent from glossiness, 1 is a
                   // mirror, no Fresnel
 };
 
+/** Which lights a hit draws. */
 enum lk_light_sampler {
     LK_LIGHTS_AUTO,      // importance
     LK_LIGHTS_TREE,      // the light tree of thesis section 3.4
@@ -35,11 +38,14 @@ enum lk_light_sampler {
     LK_LIGHTS_IMPORTANCE // several by estimated contribution (Conty Estevez and Kulla 2018)
 };
 
+/** How samples of a pixel are spread. */
 enum lk_sampler {
     LK_SAMPLER_SOBOL, // spread evenly among each other: Owen-scrambled Sobol points
     LK_SAMPLER_RANDOM // independent
 };
 
+/** How kernels walk the BVH. Neither this nor what follows changes the picture, but for rounding.
+ */
 enum lk_trace {
     LK_TRACE_AUTO,       // by the device; a GPU measures what is fast in this scene
     LK_TRACE_SIMPLE,     // one ray a work item
@@ -48,6 +54,7 @@ enum lk_trace {
     LK_TRACE_WARPS       // the same, with a queue for each warp, or over wider BVHs for each lane
 };
 
+/** How the BVH lies in the device's memory. */
 enum lk_bvh {
     LK_BVH_AUTO,      // as LK_TRACE_AUTO
     LK_BVH_BINARY,    // the thesis's
@@ -56,11 +63,13 @@ enum lk_bvh {
     LK_BVH_COMPRESSED // 8 children a node, boxes as bytes (Ylitie et al. 2017): for GPUs
 };
 
+/** Who builds it. */
 enum lk_bvh_build {
     LK_BVH_BUILD_SBVH,  // may split triangles (Stich et al. 2009), improved by reinsertion
     LK_BVH_BUILD_THESIS // thesis section 3.1
 };
 
+/** How kernels come by textures. */
 enum lk_textures {
     LK_TEXTURES_AUTO,
     LK_TEXTURES_BOUND, // rays sorted by material, one launch each with its images bound (thesis
@@ -68,12 +77,14 @@ enum lk_textures {
     LK_TEXTURES_POOL   // one launch over all texels
 };
 
+/** Where kernels read its nodes from. */
 enum lk_nodes {
     LK_NODES_BUFFER,
     LK_NODES_TEXTURE // binary BVH's nodes through a 1D texture (thesis section 3.2)
 };
 
-/** Fill with lk_settings_init() first; a 0 or NULL where that is noted asks for the default. */
+/** What is asked for. Fill with lk_settings_init() first; a 0 or NULL where that is noted asks for
+ * the default. */
 struct lk_settings {
     uint32_t width, height; // pixels, 1 .. 16384; 0: 1024 wide, or by the camera's aspect
     const char *camera;     // name, node's name or index; NULL: the first
@@ -124,6 +135,7 @@ struct lk_settings {
     bool no_cache;         // build kernels from source, and measure anew how to trace
 };
 
+/** Sets every default. */
 LK_API void lk_settings_init(struct lk_settings *settings);
 
 #ifdef __cplusplus

@@ -27,6 +27,7 @@ struct lk_ray {
 
 #define LK_HIT_NONE 0xffffffffu
 
+/** Where a ray ends. */
 struct lk_hit {
     float t;           // distance, m
     float u, v;        // weights of the triangle's second and third corner
@@ -57,6 +58,7 @@ LK_API enum lk_status lk_scene_visits(struct lk_visits *out, struct lk_scene *sc
  * their materials say. Opaque. */
 struct lk_tracer;
 
+/** What a tracer is made of. */
 struct lk_tracer_info {
     struct lk_device_info device;
     struct lk_settings settings; // with every default that matters here filled in; borrowed strings
@@ -77,8 +79,10 @@ struct lk_tracer_info {
 LK_API enum lk_status lk_tracer_create(struct lk_tracer **out, struct lk_scene *scene,
                                        const struct lk_settings *settings);
 
+/** Releases it. NULL is accepted. */
 LK_API void lk_tracer_free(struct lk_tracer *tracer);
 
+/** Borrowed from the tracer. */
 LK_API const struct lk_tracer_info *lk_tracer_info(const struct lk_tracer *tracer);
 
 /** Makes the camera's rays, one a pixel in the order of the ray queue, as a render's first sample

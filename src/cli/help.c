@@ -118,10 +118,10 @@ void help_print_command(FILE *file, enum command command)
             "\nreport (the default): section 4 of the thesis, on the scenes named or on those of\n"
             "scripts/make_scenes: memory, rays a second, kernels, convergence, pictures, with\n"
             "the thesis's numbers beside. Writes bench.json, CSV files, report.md and images;\n"
-            "scripts/plot draws the plots. --time is that of one curve, --reference a folder\n"
-            "that holds the references of an earlier run.\n\n"
-            "lights SCENE: renders the scene with every light sampler for the same --time and\n"
-            "prints the variance of each against the reference, times uniform's.\n\n"
+            "scripts/plot draws the plots. --time is that of one curve [20], --reference a\n"
+            "folder that holds the references of an earlier run.\n\n"
+            "lights SCENE: renders the scene with every light sampler for the same --time [10]\n"
+            "and prints the variance of each against the reference, times uniform's.\n\n"
             "trace SCENE: traces camera rays, four bounces and shadow rays by every layout of the\n"
             "BVH and every kernel that the device has, taking turns, and prints the median of\n"
             "--runs runs, least and most, in million rays a second. All triangles are solid. A\n"
@@ -130,16 +130,16 @@ void help_print_command(FILE *file, enum command command)
             "along paths of the camera's and along the heading that sees farthest. The last line\n"
             "tells how hard the rays are: nodes of the binary BVH that one visits, and triangles\n"
             "that it tests.\n\n"
-            "path SCENE: renders the scene at depth 1 and 5, or --depth, as the thesis does and "
-            "as\n"
-            "is the default, taking turns, and prints the median of --runs runs of --time\n"
-            "seconds, least and most, in million paths a second, and each kernel's share.\n"
+            "path SCENE: renders the scene at depth 1 and 5, or --depth, as the thesis does and\n"
+            "as is the default, taking turns, and prints the median of --runs runs of --time\n"
+            "[1] seconds, least and most, in million paths a second, and each kernel's share.\n"
             "Rays alone is the part of that time in which bench trace's rays of the same kinds\n"
             "would be traced, as many as the paths have, by the same kernels and nothing else.\n"
             "--light-sampler is that of the default way; the thesis's is tree.\n\n"
             "memory [SCENE...]: bytes on the device and rays a second against the size of the\n"
-            "ray queue.\n\n"
-            "scale: a cave of 10,000 to 10,000,000 triangles, and with 1 to 1,000,000 lights.\n");
+            "ray queue, measured for --time [3] seconds each.\n\n"
+            "scale: a cave of 10,000 to 10,000,000 triangles, and with 1 to 1,000,000 lights,\n"
+            "rendered for --time [3] seconds each.\n");
         break;
     case COMMAND_ALL:
         break;

@@ -17,6 +17,7 @@
 #define SPOKES  256u
 #define CELLS   (RINGS * SPOKES)
 #define SAMPLES (1u << 16)
+#define DIRS    64u // directions that are paired with each other
 #define PI      3.14159265358979323846
 
 // Error of integrals over the grid: the ring that the horizon cuts counts whole or not at all, half
@@ -239,6 +240,58 @@ static inline void for_all_cases(void (*check)(bool phong, const struct bsdf_cas
                                        roughnesses[i / COUNT(metalnesses)]);
             check(false, &c);
             check(true, &c);
+        }
+    }
+}
+
+/** Makes DIRS directions above the surface, not quite down to its horizon, where f is divided by
+ * little. */
+static inline void make_dirs(float4 *out, const struct bsdf_case *c, uint64_t *seed)
+{
+    double n[3], t[3], b[3], dir[3];
+    vec3_of(n, c->normal);
+    frame(t, b, n);
+    for (uint32_t i = 0; i < DIRS; i++) {
+        const double z = random_between(seed, 0.05, 1.0);
+        const double phi = random_between(seed, 0.0, 2.0 * PI);
+        const double r = sqrt(1.0 - z * z);
+        for (int k = 0; k < 3; k++)
+            dir[k] = r * (cos(phi) * t[k] + sin(phi) * b[k]) + z * n[k];
+        out[i] = float4_of(dir);
+    }
+}
+
+/** The cosine of a direction to the normal. */
+static inline double cosine_of(const struct bsdf_case *c, const float4 dir)
+{
+    double n[3], d[3];
+    vec3_of(n, c->normal);
+    vec3_of(d, dir);
+    return vec3_dot(n, d);
+}
+
+/**
+ * f(a, b) = f(b, a), or f cos is so, for all pairs of directions [DIRS].
+ *
+ * @param hit                 Its view is not looked at.
+ * @param divided             What is symmetric is f, without the light's cosine.
+ * @param relative, absolute  By how much both may differ.
+ */
+static inline void check_both_ways(const struct fixture *f, enum model model,
+                                   const struct bsdf_case *hit, bool divided, const float4 *dirs,
+                                   double relative, double absolute)
+{
+    static float4 values[DIRS][DIRS];
+    struct bsdf_case c = *hit;
+    for (uint32_t i = 0; i < DIRS; i++) {
+        c.view = dirs[i];
+        evaluate(f, model, &c, dirs, DIRS, values[i]);
+    }
+    for (uint32_t i = 0; i < DIRS; i++) {
+        for (uint32_t j = 0; j < i; j++) {
+            const double a = values[i][j].x * (divided ? cosine_of(&c, dirs[i]) : 1.0);
+            const double b = values[j][i].x * (divided ? cosine_of(&c, dirs[j]) : 1.0);
+            assert_close(a, b, relative * a + absolute);
         }
     }
 }
