@@ -56,7 +56,9 @@ static bool is_same(const struct form *a, const struct form *b)
 }
 
 // Only rays that are traced alone can refill a warp (cl/lib/trace_refill.h); with others, a queue
-// for each warp is slower than none.
+// for each warp is slower than none. Where lanes went on to further hits until one needed a shadow
+// ray, an H100 rendered Sponza and Sibenik 7 to 10 % slower: shadow rays took as long, and the next
+// bounce's queue lost the order that material's lookups live by (1.7 times as long in Sponza).
 static struct form shadow_form(const struct form *form)
 {
     struct form own = *form;
