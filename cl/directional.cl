@@ -9,11 +9,7 @@
 // shadow rays of eight hits are drawn side by side where nothing but the Lambert term is left. The
 // stage does the work of scatter, too, as direct where it is the last.
 
-#include "lib/shade_lanes.h"
-
-#if SHADE_LANES
-#define WG_TRACE 1 // an item takes a run
-#endif
+#include "lib/light_group.h" // first: it sets WG_TRACE
 
 #include "lib/bsdf.h"
 #include "lib/environment.h"

@@ -41,8 +41,7 @@ static const struct candidate candidates[] = {
     {LK_TRACE_PERSISTENT, LK_BVH_BINARY, 0, BOTH},
     {LK_TRACE_PERSISTENT, LK_BVH_QUAD, 0, BOTH},
     {LK_TRACE_POSTPONING, LK_BVH_BINARY, FORM_TRACES | FORM_FOLLOWS, 0},
-    {LK_TRACE_POSTPONING, LK_BVH_QUAD, FORM_FOLLOWS, 0},
-    {LK_TRACE_WARPS, LK_BVH_QUAD, FORM_TRACES, 0},
+    {LK_TRACE_WARPS, LK_BVH_QUAD, FORM_TRACES | FORM_FOLLOWS, 0},
 };
 
 const struct form *choice_candidates;
@@ -53,17 +52,6 @@ uint32_t choice_candidate_count;
 static bool is_same(const struct form *a, const struct form *b)
 {
     return a->trace == b->trace && a->bvh == b->bvh && a->more == b->more;
-}
-
-// Only rays that are traced alone can refill a warp (cl/lib/trace_refill.h); with others, a queue
-// for each warp is slower than none.
-static struct form shadow_form(const struct form *form)
-{
-    struct form own = *form;
-    own.uses = FORM_SHADOWS;
-    if ((own.bvh == LK_BVH_QUAD || own.bvh == LK_BVH_COMPRESSED) && own.trace == LK_TRACE_WARPS)
-        own.trace = LK_TRACE_POSTPONING;
-    return own;
 }
 
 bool form_has(const struct form *form, enum ray_class class)
@@ -139,7 +127,7 @@ void choice_begin(struct choice *out, const struct lk_settings *asked,
                   const struct lk_settings *rule, const struct gpu *gpu)
 {
     const struct form ruled = {rule->trace, rule->bvh, FORM_TRACES, NULL};
-    const struct form shadows = shadow_form(&ruled);
+    const struct form shadows = {rule->trace, rule->bvh, FORM_SHADOWS, NULL};
     const bool forced = asked->trace != LK_TRACE_AUTO && asked->bvh != LK_BVH_AUTO;
     *out = (struct choice){0};
     if (!forced && rule->nodes == LK_NODES_BUFFER)

@@ -359,6 +359,12 @@ static inline void bsdf_store(__global struct ray *ray, __global struct path *pa
     shade->specular_f90 = bsdf_pack_shares((float4)(b->f0, b->f90));
 }
 
+// The unit shading normal of a path's hit, viewer's side.
+static inline float3 bsdf_normal(__global const struct path *path)
+{
+    return normalize(oct_unpack(as_uint(path->radiance_normal.w)).xyz);
+}
+
 // Reads back what bsdf_store() wrote of the BSDF.
 static inline struct bsdf bsdf_load(__global const struct ray *ray,
                                     __global const struct path *path,
@@ -369,7 +375,7 @@ static inline struct bsdf bsdf_load(__global const struct ray *ray,
     const float4 specular_f90 = bsdf_unpack_shares(shade->specular_f90);
     const float roughness = (float)(bits >> PATH_ROUGHNESS_SHIFT) / 65535.0f;
     struct bsdf b;
-    b.normal = normalize(oct_unpack(as_uint(path->radiance_normal.w)).xyz);
+    b.normal = bsdf_normal(path);
     b.geometric = normalize(oct_unpack(as_uint(ray->org.w)).xyz);
     b.view = -ray->dir.xyz;
     b.diffuse = diffuse_f0.xyz;

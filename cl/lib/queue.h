@@ -36,7 +36,7 @@
 // scheduling.
 #ifndef WG_TRACE
 #if PERSISTENT && WARP_VOTES
-#define WG_TRACE 128 // four warps, each with a queue of its own
+#define WG_TRACE 128 // four warps, each with a queue of its own; but see lib/light_group.h
 #elif PERSISTENT
 #define WG_TRACE WARP_WIDTH
 #else
