@@ -17,9 +17,10 @@
 
 // With WARP_VOTES, leaves are put off until few lanes of the warp still look for one, where the
 // paper's speculative traversal waits for the last of them; and the last lanes that have leaves to
-// test keep them for the next time. Over the 4-wide BVH, bounces in Sponza then have two of three
-// lanes busy at a node, where it was every second one, and an H100 traces 6 to 10 % more of them a
-// second. Parts from a third to a sixth, and from a third to an eighth, are within 2 % of these.
+// test keep them for the next time. More lanes are then busy at a node: over the 4-wide BVH, an
+// H100 traces bounces in Sponza at 6 to 10 % more rays/s. Parts from a third to a sixth, and from a
+// third to an eighth, are within 2 % of these. With a second leaf kept by each lane it is 2 to 4 %
+// slower.
 //
 //   lanes  of the warp that walk, LEAF_LANES()
 #if WARP_VOTES

@@ -62,9 +62,9 @@ static inline float warp_sub_unit(const float a, const float b)
     return difference;
 }
 
-// A float made of the byte of `bytes` that `which` names, and of bits that are 0 where it comes to
-// stand, as warp_pick() with digits 7, 6, byte, 4 makes it; but by a product, which units for sums
-// do while those for bits are busy.
+// Floats made of the four bytes of `bytes`, each put as the second lowest byte into `rest`, which
+// is 0 there: what warp_pick() makes of both with the digits 4, 0 .. 3, 6, 7, but by products,
+// which units for sums do while those for bits are busy.
 static inline float4 warp_pick_four(const uint bytes, const uint rest)
 {
     uint4 sums;

@@ -97,12 +97,12 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     enum status statuses[JOBS_MAX] = {STATUS_OK};
     uint32_t built[JOBS_MAX] = {0};
     const int job_count = STAGE_COUNT + FORM_STAGE_COUNT * (int)form_count;
+    // A compiler of its own for each stage; PoCL has only one, and compiles at the first launch.
+    const int threads = gpu->info.is_cpu ? 1 : job_count;
     for (uint32_t i = 0; i < form_count; i++)
         p.forms[i] = forms[i];
 
-        // A compiler of its own for each stage; PoCL has only one, and compiles at the first
-        // launch.
-#pragma omp parallel for schedule(dynamic, 1) num_threads(gpu->info.is_cpu ? 1 : job_count)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (int i = 0; i < job_count; i++)
         statuses[i] = build_job(&p, i, gpu, scene, &built[i]);
 
