@@ -14,7 +14,12 @@
 /** STATUS_USAGE, naming the first setting that is out of range or does not go with another. */
 enum status settings_check(const struct lk_settings *settings);
 
-/** Paths in flight on a GPU: an H100 needs 2 M rays to be full (241 Mrays/s at 32 K, 2759 at 2 M).
+/**
+ * Paths in flight on a GPU: an H100 needs 2 M rays to be full (241 Mrays/s at 32 K, 2759 at 2 M).
+ * Twice as many, 185 MB more, render Sponza at 9 % more paths/s and Sibenik at 4 %; without Russian
+ * roulette, 6 and 4 %. Places of paths that have ended are not given to new ones: that would bring
+ * about as much, but what a path has collected must wait till it is its turn in the pixel's sum,
+ * for each path that has ended another 16 bytes.
  */
 #define SETTINGS_QUEUE_GPU (1u << 21)
 
