@@ -15,16 +15,9 @@
 #define TEXTURE_IMAGES 1
 #endif
 
-#include "lib/bsdf.h"
-#include "lib/layers.h"
-#include "lib/light_sampler.h"
-#include "lib/material_bsdf.h"
-#include "lib/normal_map.h"
+#include "lib/material_hit.h"
 #include "lib/prefetch.h"
-#include "lib/samples.h"
 #include "lib/shade_lanes.h"
-#include "lib/texture_use.h"
-#include "shared/ray.h"
 
 // Textures that are bound are those of one material; the pool has all, as eight hits side by side
 // need.
@@ -35,38 +28,8 @@
 #define MATERIAL_LANES 0
 #endif
 
-#ifndef EMITTERS
-#define EMITTERS 1 // some triangle is one
-#endif
-
 #ifndef WG_MATERIAL
 #define WG_MATERIAL (MATERIAL_LANES ? 1 : 64) // work items in a group
-#endif
-
-// Makes the BSDF of the first hit that measures irradiance: f = 1 / pi, so that pi times what
-// leaves is E.
-static inline void material_measure_irradiance(struct bsdf *b)
-{
-    b->diffuse = (float3)(1.0f);
-    b->f0 = (float3)(0.0f);
-    b->f90 = 0.0f;
-    b->dielectric_f0 = 0.0f;
-    b->dielectric_f90 = 0.0f;
-    b->alpha = 1.0f;
-    b->mirror = false;
-}
-
-#if LAYERS
-// A uniform number of the path's own, for choosing a layer.
-static inline float material_number(__constant struct settings *settings,
-                                    __global const uint4 *restrict points,
-                                    __global const uint *restrict places, const struct batch batch,
-                                    const uint slot, const uint bounce)
-{
-    const struct path_place place = samples_place(batch, places, slot);
-    return rng_unit(
-        samples_draw(settings, points, place.pixel, place.sample, bounce, RNG_USE_LAYER, 0).x);
-}
 #endif
 
 #if PREFETCHES && MATERIAL_LANES
@@ -152,8 +115,28 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #endif
     const uint end = counters[bounce].active;
 #endif
+    const struct material_scene scene = {
+        {vertices, colors, triangles, materials,
+#if TEXTURES_BOUND
+         0
+#else
+         texels
+#endif
+        },
+        triangle_emitters,
+        lights,
+        shapes,
+        light_nodes,
+        light_parents,
+        light_leaves,
+        points,
+        places,
+#if NORMAL_MAPS
+        tangents
+#endif
+    };
 #if MATERIAL_LANES
-    const struct surface surface = {vertices, colors, triangles, materials, texels};
+    const struct surface surface = scene.surface;
     struct material_lanes_hits eights[2]; // in turns: what the one that is shaded has hit, and the
                                           // next one
     SHADE_LANES_LOOP(place, end)
@@ -188,25 +171,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
             }
             const struct triangle tri = triangles[hit.triangle];
             __global const struct material *material = &materials[tri.material];
-            const uint flags = material->flags;
-            const float3 org = rays[slot].org.xyz;
-            const float3 dir = rays[slot].dir.xyz;
-            float3 throughput = paths[slot].throughput_bits.xyz;
-            float3 radiance = paths[slot].radiance_normal.xyz;
-            const uint path_flags = as_uint(paths[slot].throughput_bits.w);
-            const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
-
-            // Find the point, its normals and its texture coordinates.
-            const float4 row0 = vertices[tri.v0].pos_normal;
-            const float4 row1 = vertices[tri.v1].pos_normal;
-            const float4 row2 = vertices[tri.v2].pos_normal;
-            const float3 edge1 = row1.xyz - row0.xyz;
-            const float3 edge2 = row2.xyz - row0.xyz;
-            const float3 p = row0.xyz + hit.u * edge1 + hit.v * edge2;
-            float3 geometric = normalize(cross(edge1, edge2));
-            const bool front = dot(geometric, dir) < 0.0f;
-            const float4 uv = surface_blend(vertices[tri.v0].uv, vertices[tri.v1].uv,
-                                            vertices[tri.v2].uv, hit.u, hit.v);
+            const float4 uv = material_uv(&scene.surface, tri, hit);
 
             // Fetch the colours.
             struct texture_values values;
@@ -242,105 +207,9 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
                 texture_fetch_use(sheen_roughness_image, material, TEXTURE_SHEEN_ROUGHNESS, uv);
 #endif
 #else
-        values.base = texture_fetch_use(texels, material, TEXTURE_BASE, uv);
-        values.surface = texture_fetch_use(texels, material, TEXTURE_SURFACE, uv);
-        values.emissive = texture_fetch_use(texels, material, TEXTURE_EMISSIVE, uv);
-        values.specular = texture_fetch_use(texels, material, TEXTURE_SPECULAR, uv);
-        values.specular_color = texture_fetch_use(texels, material, TEXTURE_SPECULAR_COLOR, uv);
-#if NORMAL_MAPS
-        values.normal = texture_fetch_use(texels, material, TEXTURE_NORMAL, uv);
+        material_fetch(&values, texels, material, uv);
 #endif
-#if LAYERS
-        layer_fetch(&values, texels, material, uv);
-#endif
-#endif
-            float4 color = (float4)(1.0f);
-            if (flags & MATERIAL_VERTEX_COLOR) {
-                struct surface colored;
-                colored.colors = colors;
-                color = surface_color(&colored, tri, hit.u, hit.v);
-            }
-
-            // Add what the surface emits towards the path.
-            const float3 emission = material->emission.xyz * values.emissive.xyz;
-            if (!measures && (front || (flags & MATERIAL_EMITS_BACK)) && max3(emission) > 0.0f) {
-                float weight = 1.0f;
-#if EMITTERS
-                const uint emitter = triangle_emitters[hit.triangle];
-                if (!(path_flags & PATH_SPECULAR) && emitter != EMITTER_NONE) {
-                    const float density = light_hit_density(lights, shapes, emitter, org, hit.t,
-                                                            fabs(dot(geometric, dir)));
-                    const float3 before =
-                        normalize(oct_unpack(as_uint(paths[slot].radiance_normal.w)).xyz);
-                    const float count = light_expected_count(settings, light_nodes, light_parents,
-                                                             light_leaves, org, before, emitter);
-                    weight = mis_weight(rays[slot].dir.w, count * density);
-                }
-#endif
-                radiance += throughput * emission * weight;
-            }
-
-            // An unlit surface shows its colour and ends the path.
-            const bool unlit = (flags & MATERIAL_UNLIT) && !measures;
-            if (unlit && !(path_flags & PATH_COLLECT))
-                radiance += throughput * material->base.xyz * values.base.xyz * color.xyz;
-
-            if (!unlit && !(path_flags & PATH_COLLECT)) {
-                // Turn the normals to the viewer; a shading normal that looks away is of no use.
-                struct bsdf b;
-                b.view = -dir;
-                const float3 blended =
-                    (1.0f - hit.u - hit.v) * normalize(oct_unpack(as_uint(row0.w)).xyz) +
-                    hit.u * normalize(oct_unpack(as_uint(row1.w)).xyz) +
-                    hit.v * normalize(oct_unpack(as_uint(row2.w)).xyz);
-                float3 normal = dot(blended, blended) > 0.0f ? normalize(blended) : geometric;
-                normal = dot(normal, geometric) < 0.0f ? -normal : normal;
-                geometric = front ? geometric : -geometric;
-                normal = front ? normal : -normal;
-                b.geometric = geometric;
-                b.normal = dot(normal, b.view) > 1e-4f ? normal : geometric;
-#if LAYERS
-                const float3 smooth_normal = b.normal;
-                float3 coat_normal = smooth_normal;
-#if NORMAL_MAPS
-                if (flags & MATERIAL_COAT_NORMAL_MAP)
-                    coat_normal =
-                        normal_map_apply(&b, material->coat_normal_scale, values.coat_normal.xyz,
-                                         front, tangents, tri, hit.u, hit.v);
-#endif
-#endif
-#if NORMAL_MAPS
-                if ((flags & MATERIAL_NORMAL_MAP) && !measures)
-                    b.normal = normal_map_apply(&b, material->normal_scale, values.normal.xyz,
-                                                front, tangents, tri, hit.u, hit.v);
-#endif
-
-                material_bsdf(&b, material, &values, color);
-                if (luminance(b.f0) > luminance(b.diffuse))
-                    b.normal = bsdf_bend_normal(&b);
-                if (measures) {
-                    material_measure_irradiance(&b);
-                    throughput *= PI;
-                }
-#if LAYERS
-                else if (flags & MATERIAL_LAYERED)
-                    throughput *= layer_choose(
-                        &b, material, &values, color, smooth_normal, coat_normal,
-                        material_number(settings, points, places, batch, slot, bounce));
-#endif
-
-                // Past the last shaded hit a ray goes on only to collect emission that light
-                // samples cannot find as well.
-                const bool last = bounce + 1 == settings->depth;
-                const bool bounces =
-                    !last || (settings->emitter_count != 0 && !bsdf_is_lambert(&b));
-                bsdf_store(&rays[slot], &paths[slot], &shades[slot], &b,
-                           surface_offset(p, b.geometric), throughput, radiance,
-                           PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE));
-            } else {
-                paths[slot].throughput_bits.w = as_float(0u);
-                paths[slot].radiance_normal.xyz = radiance;
-            }
+            material_hit(settings, batch, bounce, &scene, slot, hit, &values, rays, paths, shades);
         }
 #if MATERIAL_LANES
     }

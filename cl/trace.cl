@@ -21,83 +21,14 @@
 #endif
 
 #include "lib/queue.h"
-#include "lib/traverse.h"
+#include "lib/trace_slot.h"
 #include "lib/trace_refill.h"
-#include "shared/path.h"
-
-#if ANY_HIT
-#define TRACE_ANY true
-#else
-#define TRACE_ANY false
-#endif
-
-#if ALPHA && LAYERS
-#define TRACE_TINTS 1
-#endif
 
 // What both kernels take.
 #define TRACE_PARAMETERS                                                                           \
     TRACED_PARAMETERS, __global const struct ray *restrict rays,                                   \
         __global const uint *restrict queue, __global struct hit *restrict hits,                   \
         __global struct counters *counters, const uint bounce
-#if TRACE_TINTS
-#define TRACE_PATHS , __global struct path *restrict paths
-#else
-#define TRACE_PATHS
-#endif
-
-// Reads a ray; w are the nearest and the farthest hit that it accepts.
-static inline struct ray trace_load(__global const struct ray *rays, const uint slot)
-{
-    struct ray ray = rays[slot];
-#if !RAY_SPANS
-    ray.org.w = 0.0f;
-    ray.dir.w = FLT_MAX;
-#endif
-    return ray;
-}
-
-#if TRACE_TINTS
-
-// Gives a ray that has gone through something coloured its colour. What was tested beyond the hit
-// has no part in it.
-static inline void trace_tint(BVH_NODES nodes, const struct traced *scene, const struct ray ray,
-                              const float t, __global struct path *path)
-{
-    struct passage passage;
-    passage_init(&passage);
-    traverse_through(nodes, scene, ray.org.xyz, ray.dir.xyz, ray.org.w, t, false, &passage,
-                     PASSAGE_TINT);
-    path->throughput_bits.xyz *= passage.share;
-}
-
-#endif
-
-// Traces the ray of one slot.
-static inline void trace_slot(BVH_NODES nodes, const struct traced *scene,
-                              __global const struct ray *rays, __global struct hit *hits,
-                              const uint slot TRACE_PATHS)
-{
-    const struct ray ray = trace_load(rays, slot);
-    struct passage passage;
-    passage_init(&passage);
-    const struct hit hit = traverse_through(nodes, scene, ray.org.xyz, ray.dir.xyz, ray.org.w,
-                                            ray.dir.w, TRACE_ANY, &passage, PASSAGE_CHANCE);
-    if (TRACE_ANY) // which one and where was not asked
-        hits[slot].triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
-    else
-        hits[slot] = hit;
-#if TRACE_TINTS
-    if (passage.tinted)
-        trace_tint(nodes, scene, ray, hit.t, &paths[slot]);
-#endif
-}
-
-#if TRACE_TINTS
-#define TRACE_SLOT(slot) trace_slot(nodes, &scene, rays, hits, slot, paths)
-#else
-#define TRACE_SLOT(slot) trace_slot(nodes, &scene, rays, hits, slot)
-#endif
 
 __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
     TRACE_PARAMETERS TRACE_PATHS)
@@ -114,9 +45,16 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void trace(
 #else
     QUEUE_LOCAL(run);
     for (uint i = queue_first(&counters[bounce].trace_head, run); queue_group(i) < count;
-         i = queue_next(i, &counters[bounce].trace_head, run))
-        if (i < count)
-            TRACE_SLOT(queue[i]);
+         i = queue_next(i, &counters[bounce].trace_head, run)) {
+        if (i >= count)
+            continue;
+        const uint slot = queue[i];
+        const struct hit hit = trace_slot(nodes, &scene, rays, slot TRACE_PATHS_ARGUMENT);
+        if (TRACE_ANY) // which one and where was not asked
+            hits[slot].triangle = hit.triangle == HIT_NONE ? HIT_NONE : 0;
+        else
+            hits[slot] = hit;
+    }
 #endif
 }
 
