@@ -18,18 +18,17 @@
 #define WG_RAYGEN (SHADE_LANES ? 1 : 64) // work items in a group
 #endif
 
-// The counters of a bounce to start with; bounce 0 has every path of the batch.
-static inline struct counters raygen_counters(const struct batch batch, const uint bounce)
+// The counters of a bounce to start with, from those that the batch before has left; bounce 0 has
+// every path of the batch.
+static inline struct counters raygen_counters(const struct counters before,
+                                              const struct batch batch, const uint bounce)
 {
-    struct counters out;
+    struct counters out = before;
+    out.rays += before.active;
     out.active = bounce == 0 ? batch.count : 0;
     out.trace_head = 0;
     out.direct_head = 0;
     out.directional_head = 0;
-    out.shadow_rays = 0;
-    out.directional_rays = 0;
-    out.pad0 = 0;
-    out.pad1 = 0;
     return out;
 }
 
@@ -104,13 +103,13 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
 {
 #if SHADE_LANES
     for (uint i = get_global_id(0); i < bounce_count; i += get_global_size(0))
-        counters[i] = raygen_counters(batch, i);
+        counters[i] = raygen_counters(counters[i], batch, i);
     SHADE_LANES_LOOP(first, batch.count)
     raygen_lanes(settings, camera, batch, first, rays, paths, queue, points, places);
 #else
     const uint slot = get_global_id(0);
     if (slot < bounce_count)
-        counters[slot] = raygen_counters(batch, slot);
+        counters[slot] = raygen_counters(counters[slot], batch, slot);
     if (slot >= batch.count)
         return; // the launch is rounded up to whole groups
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/choices.h"
 #include "core/clock.h"
@@ -15,6 +16,8 @@
 #include "shared/light.h"
 
 #define BATCH_SECONDS 0.15   // aim for one batch: no launch in it can last longer
+#define RUN_SECONDS   0.02   // of a run of batches,
+#define RUN_MAX       16.0   // and how many it has at most
 #define FIRST_PATHS   1024u  // paths of the first batch: it finds out how fast the device is,
 #define FIRST_RAYS    65536u // with at most so many shadow rays of a bounce
 #define PATHS_MIN     32u    // least batch, for hits that look at thousands of lights
@@ -59,7 +62,8 @@ static enum status create_wavefront(struct renderer *r)
     free(points);
     if (status != STATUS_OK)
         return status;
-    r->counters = calloc(r->wavefront.bounce_count, sizeof(*r->counters));
+    r->counters = calloc(2 * r->wavefront.bounce_count, sizeof(*r->counters));
+    r->before = r->counters != NULL ? r->counters + r->wavefront.bounce_count : NULL;
     return r->counters != NULL ? STATUS_OK
                                : status_fail(STATUS_NO_MEMORY, "no memory for counters");
 }
@@ -95,6 +99,7 @@ static enum status set_up_memory(struct renderer *r, const struct lk_scene *scen
     r->settings.emitter_count = r->scene.emitter_count;
     status = create_wavefront(r);
     r->batch_paths = first_batch(r);
+    r->batch_run = 1;
     r->upload_s = clock_seconds() - start;
     return status;
 }
@@ -190,6 +195,13 @@ static enum status settle(struct renderer *r, bool *stuck)
     return STATUS_OK;
 }
 
+// Forgets what a probe has counted.
+static enum status clear_counters(struct renderer *r)
+{
+    memset(r->counters, 0, 2 * r->wavefront.bounce_count * sizeof(*r->counters));
+    return buffer_clear(&r->gpu, &r->wavefront.counters);
+}
+
 static enum status set_up(struct renderer *r, const struct lk_scene *scene, bool *stuck)
 {
     *stuck = false;
@@ -203,6 +215,8 @@ static enum status set_up(struct renderer *r, const struct lk_scene *scene, bool
     if (status == STATUS_OK)
         status = film_create(&r->film, &r->gpu, r->camera.width * r->camera.height,
                              &r->pipeline.options);
+    if (status == STATUS_OK)
+        status = clear_counters(r);
     r->build_s = clock_seconds() - start;
     r->built = r->pipeline.built + r->film.built;
     return status;
@@ -244,7 +258,8 @@ enum status renderer_set_up(struct renderer *r, const struct lk_scene *scene)
     return status == STATUS_OK ? set_up(r, scene, &stuck) : status;
 }
 
-// Sets the size of the next batch by how long one of so many paths took.
+// Sets the size of the next batch, and of the next run of them, by how long one of so many paths
+// took.
 static void adapt(struct renderer *r, uint32_t count, double seconds)
 {
     const double ratio = seconds > 0.0 ? BATCH_SECONDS / seconds : 2.0;
@@ -257,31 +272,63 @@ static void adapt(struct renderer *r, uint32_t count, double seconds)
     r->batch_paths = whole > 0 ? whole : (uint32_t)paths;
     if (r->batch_paths == 0)
         r->batch_paths = 1;
+    const double run = RUN_SECONDS / fmax(seconds * r->batch_paths / count, RUN_SECONDS / RUN_MAX);
+    r->batch_run = run < 1.0 ? 1 : (uint32_t)run;
 }
 
-enum status renderer_batch(struct renderer *r, struct sequence *sequence, bool tells)
+// Adds what was counted since the counters were read before.
+static void count_rays(struct renderer *r)
 {
-    const double begin = clock_seconds();
+    for (uint32_t i = 0; i < r->wavefront.bounce_count; i++) {
+        const struct counters *now = &r->counters[i];
+        const struct counters *old = &r->before[i];
+        const uint32_t directional = now->directional_rays - old->directional_rays;
+        const uint32_t drawn = now->shadow_rays - old->shadow_rays;
+        const uint32_t rays = now->rays + now->active - old->rays - old->active;
+        r->rays.indirect += i > 0 ? rays : 0;
+        r->rays.shadow += (uint64_t)drawn + directional;
+        r->rays.directional += directional;
+    }
+    memcpy(r->before, r->counters, r->wavefront.bounce_count * sizeof(*r->counters));
+}
+
+// Enqueues the next batch of a sequence. Returns its paths through the first parameter.
+static enum status enqueue_batch(uint32_t *count, struct renderer *r, struct sequence *sequence)
+{
     const struct batch batch = sequence_batch(sequence, r->batch_paths);
     enum status status = pipeline_enqueue(&r->pipeline, &r->gpu, &r->scene, &r->wavefront, &batch,
                                           r->settings.depth);
     if (status == STATUS_OK)
         status = film_enqueue(&r->film, &r->gpu, &r->wavefront, &batch);
+    if (status != STATUS_OK)
+        return status;
+    sequence_advance(sequence, &batch);
+    r->rays.camera += batch.count;
+    *count = batch.count;
+    return STATUS_OK;
+}
+
+enum status renderer_batch(struct renderer *r, struct sequence *sequence, bool tells)
+{
+    const double begin = clock_seconds();
+    uint32_t most = 0;  // paths of the largest batch
+    uint64_t paths = 0; // of all
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < r->batch_run && status == STATUS_OK && !sequence_ended(sequence);
+         i++) {
+        uint32_t count = 0;
+        status = enqueue_batch(&count, r, sequence);
+        most = count > most ? count : most;
+        paths += count;
+    }
     if (status == STATUS_OK)
         status = buffer_read(&r->gpu, &r->wavefront.counters, r->counters,
                              r->wavefront.bounce_count * sizeof(*r->counters));
     if (status != STATUS_OK)
         return status;
-
-    sequence_advance(sequence, &batch);
-    r->rays.camera += batch.count;
-    for (uint32_t i = 0; i < r->wavefront.bounce_count; i++) {
-        r->rays.indirect += i > 0 ? r->counters[i].active : 0;
-        r->rays.shadow += r->counters[i].shadow_rays + r->counters[i].directional_rays;
-        r->rays.directional += r->counters[i].directional_rays;
-    }
-    if (tells)
-        adapt(r, batch.count, clock_seconds() - begin);
+    count_rays(r);
+    if (tells && paths > 0)
+        adapt(r, most, (clock_seconds() - begin) * most / (double)paths);
     return STATUS_OK;
 }
 

@@ -35,8 +35,10 @@ struct renderer {
     struct pipeline pipeline;
     struct film film;
     struct settings settings;  // of the kernels
-    struct counters *counters; // [bounce_count] of the last batch; owned
+    struct counters *counters; // [bounce_count] as they were read last; owned
+    struct counters *before;   // [bounce_count] as they were read before that; in the same block
     uint32_t batch_paths;      // of the next batch
+    uint32_t batch_run;        // batches that are enqueued before the next wait
     struct ray_counts rays;
     double upload_s, build_s; // they took
     double busy_s;            // spans took, where the work is shared
@@ -63,7 +65,8 @@ void renderer_narrow(struct renderer *renderer, const struct lk_settings *settin
 enum status renderer_set_up(struct renderer *renderer, const struct lk_scene *scene);
 
 /**
- * Renders the next batch of a sequence, and waits for it.
+ * Renders the next batch of a sequence, and waits for it; or a run of batches, where a full queue
+ * is done so soon that the wait would be felt.
  *
  * A batch has as many paths as the device finishes in BATCH_SECONDS, as the batches before tell, so
  * that no launch comes near a watchdog and a cancel is heard soon. Nothing in the result depends on

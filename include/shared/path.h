@@ -80,9 +80,11 @@ struct counters {
     uint trace_head;       // next ray of the persistent trace kernel
     uint direct_head;      // next hit of the persistent direct kernel
     uint directional_head; // next hit of the persistent directional kernel
+    // Of all batches so far, modulo 2^32: the host need not read them after each.
     uint shadow_rays;      // shadow rays traced towards lights drawn
     uint directional_rays; // shadow rays traced towards directional lights and the environment
-    uint pad0, pad1;
+    uint rays;             // that were active in the batches before
+    uint pad0;
 };
 SHARED_SIZE(counters, 32);
 

@@ -83,7 +83,7 @@
     S(counters)                                                                                    \
     M(counters, active) M(counters, trace_head) M(counters, direct_head)                           \
     M(counters, directional_head) M(counters, shadow_rays)                                         \
-    M(counters, directional_rays) M(counters, pad0) M(counters, pad1)                                          \
+    M(counters, directional_rays) M(counters, rays) M(counters, pad0)                                           \
     S(ray)                                                                                         \
     M(ray, org) M(ray, dir)                                                              \
     S(hit)                                                                                         \

@@ -128,6 +128,26 @@ static void queue_does_not_matter(void **state)
     }
 }
 
+// Rays are counted on the device, over batches that the host does not wait for one by one.
+static void queue_does_not_change_what_is_counted(void **state)
+{
+    (void)state;
+    skip_without_device();
+    struct lk_settings settings = small_settings();
+    struct lk_image *whole = render(scene, &settings);
+    settings.queue = 1000;
+    struct lk_image *parts = render(scene, &settings);
+    const struct lk_render_info *a = lk_image_info(whole);
+    const struct lk_render_info *b = lk_image_info(parts);
+    assert_true(a->paths == 75 * 53 * 3 && a->paths == b->paths);
+    assert_true(a->rays_camera == a->paths && a->rays_camera == b->rays_camera);
+    assert_true(a->rays_indirect > 0 && a->rays_indirect == b->rays_indirect);
+    assert_true(a->rays_directional > 0 && a->rays_directional == b->rays_directional);
+    assert_true(a->rays_shadow > a->rays_directional && a->rays_shadow == b->rays_shadow);
+    lk_image_free(parts);
+    lk_image_free(whole);
+}
+
 // The variants compute the same, but a device's compiler may round an expression of one kernel
 // otherwise than in another, and a path may then go another way. PoCL does not, so that bits are
 // equal there; elsewhere the images may differ in few paths.
@@ -275,6 +295,7 @@ int main(void)
         cmocka_unit_test(same_settings_give_the_same_bits),
         cmocka_unit_test(another_seed_gives_other_noise),
         cmocka_unit_test(queue_does_not_matter),
+        cmocka_unit_test(queue_does_not_change_what_is_counted),
         cmocka_unit_test(traversal_variants_agree),
         cmocka_unit_test(layouts_of_the_bvh_agree),
         cmocka_unit_test(texture_variants_agree),
