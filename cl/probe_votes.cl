@@ -1,4 +1,5 @@
-// No stage: whether this device's compiler takes lib/warp.h. It is built, and never run.
+// No stage: whether this device's compiler takes lib/warp.h, and is to be told how many registers
+// an item takes, REGISTERS_MOST. It is built, and never run.
 
 #define WARP_VOTES 1
 

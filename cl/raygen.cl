@@ -6,13 +6,8 @@
 //
 // With SHADE_LANES (lib/shade_lanes.h) eight paths go side by side.
 
-#include "lib/math.h"
-#include "lib/samples.h"
+#include "lib/raygen_slot.h"
 #include "lib/shade_lanes.h"
-#include "shared/camera.h"
-#include "shared/path.h"
-#include "shared/ray.h"
-#include "shared/zorder.h"
 
 #ifndef WG_RAYGEN
 #define WG_RAYGEN (SHADE_LANES ? 1 : 64) // work items in a group
@@ -113,25 +108,6 @@ __kernel __attribute__((reqd_work_group_size(WG_RAYGEN, 1, 1))) void raygen(
     if (slot >= batch.count)
         return; // the launch is rounded up to whole groups
 
-    // Pick a point inside the pixel: box filter, one pixel wide.
-    const struct path_place place = samples_place(batch, places, slot);
-    const uint2 at = zorder_place(place.pixel, camera->width, camera->height);
-    const uint4 bits =
-        samples_draw(settings, points, place.pixel, place.sample, 0, RNG_USE_CAMERA, 0);
-    const float x = (float)at.x + rng_unit(bits.y);
-    const float y = (float)at.y + rng_unit(bits.z);
-
-    // Aim from the eye through it, or along the view from it.
-    const float3 point = camera->corner.xyz + x * camera->right.xyz + y * camera->down.xyz;
-    const bool orthographic = camera->orthographic != 0;
-    const float3 org = camera->org.xyz + (orthographic ? point : (float3)(0.0f));
-    const float3 dir = orthographic ? camera->forward.xyz : normalize(point);
-    rays[slot].org = (float4)(org, 0.0f);
-    rays[slot].dir = (float4)(dir, FLT_MAX);
-
-    // Start the path.
-    paths[slot].throughput_bits = (float4)(1.0f, 1.0f, 1.0f, as_float(PATH_ALIVE | PATH_SPECULAR));
-    paths[slot].radiance_normal = (float4)(0.0f);
-    queue[slot] = slot;
+    raygen_slot(settings, camera, batch, slot, rays, paths, queue, points, places);
 #endif
 }

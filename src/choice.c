@@ -168,6 +168,55 @@ bool choice_has_layouts(const struct choice *choice)
     return (layouts & (layouts - 1)) != 0;
 }
 
+// ---- What lights a scene
+
+// Whether light comes from far away, as far as can be told before it is prepared.
+static bool has_far_lights(const struct lk_scene *scene, const struct lk_settings *s)
+{
+    const float *color = s->background;
+    return scene->prepared.emitters.directional_count > 0 || s->env != NULL ||
+           s->sky_sun_deg[1] != 0.0f || color[0] + color[1] + color[2] > 0.0f ||
+           scene->scene.environment.width > 0;
+}
+
+static bool has_lights(const struct lk_scene *scene, const struct lk_settings *s)
+{
+    return scene->prepared.emitters.light_count > 0 || has_far_lights(scene, s);
+}
+
+// ---- Bounces by one kernel
+
+#define FUSED_TRIANGLES 4096u // at most
+
+bool choice_always_fuses;
+
+static bool is_small(const struct gpu *gpu, const struct lk_scene *scene)
+{
+    return !gpu->info.is_cpu && scene->prepared.geometry.triangle_count <= FUSED_TRIANGLES;
+}
+
+bool choice_fuse(struct choice *choice, const struct gpu *gpu, const struct lk_scene *scene,
+                 const struct lk_settings *rule)
+{
+    // The plainest form needs no probe.
+    uint32_t plain = 0;
+    while (plain < choice->form_count && (choice->forms[plain].trace != LK_TRACE_SIMPLE ||
+                                          choice->forms[plain].bvh != LK_BVH_BINARY))
+        plain++;
+    if (plain == choice->form_count || rule->profile || rule->textures == LK_TEXTURES_BOUND ||
+        scene->prepared.emitters.light_count == 0 || has_far_lights(scene, rule) ||
+        !(choice_always_fuses || is_small(gpu, scene)))
+        return false;
+    choice->fused = true;
+    choice->open = false;
+    for (int c = 0; c < RAY_CLASSES; c++) {
+        choice->of[c] = plain;
+        if (choice->reasons[c] != LK_REASON_FORCED)
+            choice->reasons[c] = LK_REASON_RULE;
+    }
+    return true;
+}
+
 // ---- What was found before
 
 // Notes of this process, each with its key.
@@ -276,16 +325,6 @@ void choice_forget(void)
     memset(remembered.notes, 0, sizeof(remembered.notes));
     remembered.count = 0;
     pthread_mutex_unlock(&remembered.lock);
-}
-
-// Whether there are lights, as far as can be told before they are prepared.
-static bool has_lights(const struct lk_scene *scene, const struct lk_settings *s)
-{
-    const struct emitters *emitters = &scene->prepared.emitters;
-    const float *color = s->background;
-    return emitters->light_count > 0 || emitters->directional_count > 0 || s->env != NULL ||
-           s->sky_sun_deg[1] != 0.0f || color[0] + color[1] + color[2] > 0.0f ||
-           scene->scene.environment.width > 0;
 }
 
 void choice_recall(struct choice *choice, const struct gpu *gpu, const struct lk_scene *scene,

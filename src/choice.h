@@ -35,6 +35,7 @@ struct choice {
     uint32_t form_count;
     uint32_t of[RAY_CLASSES]; // index of the form that traces them
     enum lk_reason reasons[RAY_CLASSES];
+    bool fused;           // bounces are to be one kernel
     bool open;            // a probe is to decide
     bool broken;          // it did, and nothing can be taken; choice_fall_back() is left
     struct build_key key; // of what it finds
@@ -44,6 +45,9 @@ struct choice {
 /** What tests set: candidates in place of the device's own, on any device. */
 extern const struct form *choice_candidates;
 extern uint32_t choice_candidate_count;
+
+/** What tests set: bounces are one kernel in scenes of any size, on CPUs, too. */
+extern bool choice_always_fuses;
 
 /**
  * Finds the forms that fit a device and the settings, and takes the rule's for all rays.
@@ -62,6 +66,16 @@ void choice_begin(struct choice *out, const struct lk_settings *asked,
  */
 void choice_recall(struct choice *choice, const struct gpu *gpu, const struct lk_scene *scene,
                    const struct lk_settings *settings);
+
+/**
+ * Lets bounces be one kernel, and settles on its form of tracing, where that pays: in small scenes
+ * on GPUs, unless another form is forced or kernels are to be timed, each by itself.
+ *
+ * @param rule  As above.
+ * @return whether it does.
+ */
+bool choice_fuse(struct choice *choice, const struct gpu *gpu, const struct lk_scene *scene,
+                 const struct lk_settings *rule);
 
 /** Looks again, by the same key. @return whether it was found. */
 bool choice_recall_again(struct choice *choice, bool no_cache);

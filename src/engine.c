@@ -246,7 +246,8 @@ static enum status begin(struct render *render, struct lk_scene *scene)
         status = prepare_geometry(scene);
     for (size_t i = 0; i < render->renderer_count && status == STATUS_OK; i++) {
         struct renderer *r = &render->renderers[i];
-        choice_recall(&r->choice, &r->gpu, scene, settings);
+        if (!choice_fuse(&r->choice, &r->gpu, scene, &r->chosen))
+            choice_recall(&r->choice, &r->gpu, scene, settings);
         layouts |= choice_layouts(&r->choice);
     }
     if (status == STATUS_OK)

@@ -131,7 +131,7 @@ struct lk_settings {
     uint32_t seed;
     uint32_t queue;        // paths in flight; 0: by the device
     uint64_t memory_limit; // bytes on the device; 0: what the device has
-    bool profile;          // time every kernel
+    bool profile;          // time every kernel, each stage by itself
     bool no_cache;         // build kernels from source, and measure anew how to trace
 };
 

@@ -90,7 +90,7 @@ const struct option option_table[] = {
 
     HEADING(RENDER, "Reports"),
     {"stats", 0, RENDER, "FILE", "write a JSON report", NULL, TEXT(stats)},
-    {"profile", 0, RENDER, NULL, "time every kernel and print a table", NULL, FLAG(settings.profile)},
+    {"profile", 0, RENDER, NULL, "time every stage by itself and print a table", NULL, FLAG(settings.profile)},
 
     HEADING(COMPARE | INFO | DEVICES | BENCH, "Options"),
     {"json", 0, COMPARE | INFO | DEVICES | BENCH, NULL, "print JSON", NULL, FLAG(json)},

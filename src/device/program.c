@@ -58,7 +58,11 @@ static void write_options(char *options, const char *text, const struct gpu *gpu
     add_define(options, text, "UNTEXTURED", (int)chosen->untextured);
     if (chosen->light_sampler != 0)
         add_define(options, text, "LIGHT_SAMPLER", chosen->light_sampler);
-    const size_t used = strlen(options);
+    size_t used = strlen(options);
+    if (chosen->registers != 0 && strstr(text, "REGISTERS_MOST") != NULL)
+        used += (size_t)snprintf(options + used, OPTIONS_MAX - used,
+                                 " -D REGISTERS_MOST=%u -cl-nv-maxrregcount=%u", chosen->registers,
+                                 chosen->registers);
     if (chosen->more != NULL)
         snprintf(options + used, OPTIONS_MAX - used, " %s", chosen->more);
 }
@@ -158,7 +162,7 @@ enum status program_build(struct program *out, const struct gpu *gpu, const char
 
 bool program_takes_votes(const struct gpu *gpu)
 {
-    const struct program_options options = {0};
+    const struct program_options options = {.registers = 64};
     struct program program = {0};
     if (strstr(gpu->info.platform, "NVIDIA") == NULL ||
         program_build(&program, gpu, "probe_votes", &options) != STATUS_OK)
@@ -174,8 +178,12 @@ void program_free(struct program *program)
     *program = (struct program){0};
 }
 
-enum status kernel_create(struct kernel *out, const struct gpu *gpu, const struct program *program,
-                          const char *name)
+// Takes a kernel out of a program.
+//
+//   open_groups  it may leave the size of its groups open; they are as the device likes them then
+static enum status take_kernel(struct kernel *out, const struct gpu *gpu,
+                               const struct program *program, const char *name,
+                               const bool open_groups)
 {
     cl_int error = CL_SUCCESS;
     cl_kernel handle = clCreateKernel(program->handle, name, &error);
@@ -186,6 +194,10 @@ enum status kernel_create(struct kernel *out, const struct gpu *gpu, const struc
     size_t sizes[3] = {0};
     error = clGetKernelWorkGroupInfo(handle, gpu->device, CL_KERNEL_COMPILE_WORK_GROUP_SIZE,
                                      sizeof(sizes), sizes, NULL);
+    if (error == CL_SUCCESS && sizes[0] == 0 && open_groups)
+        error = clGetKernelWorkGroupInfo(handle, gpu->device,
+                                         CL_KERNEL_PREFERRED_WORK_GROUP_SIZE_MULTIPLE,
+                                         sizeof(sizes[0]), sizes, NULL);
     if (error != CL_SUCCESS || sizes[0] == 0) {
         clReleaseKernel(handle);
         if (error != CL_SUCCESS)
@@ -197,6 +209,12 @@ enum status kernel_create(struct kernel *out, const struct gpu *gpu, const struc
     return STATUS_OK;
 }
 
+enum status kernel_create(struct kernel *out, const struct gpu *gpu, const struct program *program,
+                          const char *name)
+{
+    return take_kernel(out, gpu, program, name, false);
+}
+
 enum status kernel_build(struct kernel *out, const struct gpu *gpu, const char *name,
                          const struct program_options *options, uint32_t *built)
 {
@@ -205,7 +223,7 @@ enum status kernel_build(struct kernel *out, const struct gpu *gpu, const char *
     if (status != STATUS_OK)
         return status;
     *built += program.from_source;
-    status = kernel_create(out, gpu, &program, name);
+    status = take_kernel(out, gpu, &program, name, options->registers != 0);
     if (status == STATUS_OK)
         out->persistent = options->persistent;
     program_free(&program);

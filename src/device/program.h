@@ -42,6 +42,7 @@ struct program_options {
     bool environment;    // directional: there is an environment
     bool no_emitters;    // material: no triangle is an emitter
     bool few_lights;     // direct, material: the root of the light BVH has them all
+    uint32_t registers;  // bounce: an item takes so many at most; 0: as many as the compiler likes
     uint32_t untextured; // bits of enum texture_use: no material has such a texture
     bool no_cache;       // build from source
     const char *more;    // options for the compiler beside all these; NULL: none. Borrowed
@@ -59,7 +60,7 @@ struct program {
 struct kernel {
     struct _cl_kernel *handle; // owned
     char name[32];
-    size_t group_size; // work items in a group, as the kernel says
+    size_t group_size; // work items in a group, as the kernel says, else as the device likes
     bool persistent;   // its items take work from a queue (lib/queue.h)
 };
 
@@ -91,8 +92,9 @@ enum status program_build_text(struct program *out, const struct gpu *gpu, const
                                size_t size, const struct program_options *options);
 
 /**
- * Whether kernels may be built with warp_votes: on NVIDIA's platform, where a trial compile works.
- * Others are not tried, since a compiler may not survive another machine's instructions.
+ * Whether kernels may be built with warp_votes and registers: on NVIDIA's platform, where a trial
+ * compile works. Others are not tried, since a compiler may not survive another machine's
+ * instructions.
  */
 bool program_takes_votes(const struct gpu *gpu);
 

@@ -131,6 +131,25 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     return STATUS_OK;
 }
 
+bool pipeline_can_fuse(const struct device_scene *scene, const struct program_options *options)
+{
+    return !options->textures_bound && scene->light_count > 0 && !has_far_lights(scene);
+}
+
+enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu,
+                                 const struct program_options *options)
+{
+    struct pipeline p = {.options = *options};
+    enum status status = raygen_build(&p.raygen, gpu, options, &p.built);
+    if (status == STATUS_OK)
+        status = bounce_build(&p.bounce, gpu, options, &p.built);
+    if (status == STATUS_OK)
+        *out = p;
+    else
+        pipeline_free(&p);
+    return status;
+}
+
 enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,
                                  const struct device_scene *scene, uint32_t form)
 {
@@ -211,6 +230,19 @@ enum ray_class pipeline_class(uint32_t bounce)
     return bounce == 0 ? RAYS_CAMERA : bounce == 1 ? RAYS_FIRST_BOUNCE : RAYS_LATER_BOUNCES;
 }
 
+static enum status enqueue_fused(const struct pipeline *pipeline, struct stage_context *context,
+                                 uint32_t bounces)
+{
+    struct stage_context none = *context;
+    none.batch.count = 0; // paths: bounce starts them
+    enum status status = raygen_enqueue(&pipeline->raygen, &none);
+    for (; context->bounce < bounces && status == STATUS_OK; context->bounce++) {
+        context->scatters = context->bounce + 1 < bounces;
+        status = bounce_enqueue(&pipeline->bounce, context);
+    }
+    return status;
+}
+
 enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
                              const struct device_scene *scene, const struct wavefront *wavefront,
                              const struct batch *batch, uint32_t depth)
@@ -225,6 +257,8 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
 
     const uint32_t bounces = pipeline_bounces(scene, depth);
     const uint32_t *form_of = pipeline->form_of;
+    if (pipeline->bounce.kernel.handle != NULL)
+        return enqueue_fused(pipeline, &context, bounces);
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
         const bool goes_on = context.bounce + 1 < bounces;
@@ -243,6 +277,7 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
 
 void pipeline_free(struct pipeline *pipeline)
 {
+    bounce_free(&pipeline->bounce);
     scatter_free(&pipeline->scatter);
     for (uint32_t i = 0; i < pipeline->form_count; i++)
         pipeline_drop(pipeline, i);

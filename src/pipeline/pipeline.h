@@ -36,6 +36,7 @@ struct pipeline {
     struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
     struct scatter scatter; // unused unless no stage traces shadow rays, or forms are compared
+    struct bounce bounce;   // if it is built, what all but raygen and it would do
     struct pipeline_form forms[PIPELINE_FORMS_MAX];
     uint32_t form_count;
     uint32_t form_of[RAY_CLASSES]; // how rays are traced
@@ -54,6 +55,17 @@ struct pipeline {
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
                            const struct pipeline_form *forms, uint32_t form_count, bool compares);
+
+/**
+ * Builds the pipeline of two kernels: bounce, and raygen, which is left with clearing counters. For
+ * scenes that pipeline_can_fuse(). Fails as kernel_build().
+ */
+enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu,
+                                 const struct program_options *options);
+
+/** Whether bounce does all that this scene needs: textures from the pool, and light from the tree's
+ * lights alone. */
+bool pipeline_can_fuse(const struct device_scene *scene, const struct program_options *options);
 
 /** Builds a form's stages for shadow rays if they are not. Fails, or marks it as failed, as above.
  */

@@ -128,6 +128,18 @@ enum status directional_enqueue(const struct directional *directional,
                                 const struct stage_context *context);
 void directional_free(struct directional *directional);
 
+/** All from raygen to scatter in one. */
+struct bounce {
+    struct kernel kernel;
+    enum bvh_layout layout;
+    bool normal_maps; // the variant
+};
+
+enum status bounce_build(struct bounce *out, const struct gpu *gpu,
+                         const struct program_options *options, uint32_t *built);
+enum status bounce_enqueue(const struct bounce *bounce, const struct stage_context *context);
+void bounce_free(struct bounce *bounce);
+
 struct scatter {
     struct kernel kernel;
 };
