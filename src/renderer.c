@@ -15,17 +15,17 @@
 #include "settings.h"
 #include "shared/light.h"
 
-#define BATCH_SECONDS 0.15 // aim for one batch: no launch in it can last longer
+#define BATCH_SECONDS 0.15   // aim for one batch: no launch in it can last longer
+#define RUN_SECONDS   0.02   // of a run of batches,
+#define RUN_MAX       16.0   // and how many it has at most
+#define FIRST_PATHS   1024u  // paths of the first batch: it finds out how fast the device is,
+#define FIRST_RAYS    65536u // with at most so many shadow rays of a bounce
+#define PATHS_MIN     32u    // least batch, for hits that look at thousands of lights
+#define PATHS_STEP    1024u  // batches are whole tiles of the Z-order, for coherence
+
 // Of an item of the one kernel of a bounce. It would take 96; with 64 an H100 renders the Cornell
 // box 10 % faster, with 80 5 %, and with 48 27 % slower.
 #define FUSED_REGISTERS 64u
-
-#define RUN_SECONDS 0.02   // of a run of batches,
-#define RUN_MAX     16.0   // and how many it has at most
-#define FIRST_PATHS 1024u  // paths of the first batch: it finds out how fast the device is,
-#define FIRST_RAYS  65536u // with at most so many shadow rays of a bounce
-#define PATHS_MIN   32u    // least batch, for hits that look at thousands of lights
-#define PATHS_STEP  1024u  // batches are whole tiles of the Z-order, for coherence
 
 enum status renderer_open(struct renderer *out, const struct gpu_info *info,
                           const struct lk_settings *settings, uint32_t spare_units)
