@@ -37,7 +37,7 @@ struct rate {
     double paths_per_s[RUNS_MAX];    // [runs], then in ascending order
     double rays_per_path;            // all kinds
     double alone_s;                  // that the rays of a path need by themselves
-    double total_kernel_s, traced_s; // of the kernels, and of those of them that trace
+    double total_kernel_s, traced_s; // of all stages, and of those that trace; each by itself
 };
 
 static const struct bench_column columns[] = {

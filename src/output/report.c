@@ -98,6 +98,7 @@ static void write_tracing(struct json *json, const struct lk_device_share *share
         json_object_end(json);
     }
     json_double(json, "probe_s", share->probe_s);
+    json_bool(json, "fused", share->fused);
     json_object_end(json);
 }
 

@@ -150,6 +150,11 @@ enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu,
     return status;
 }
 
+bool pipeline_is_fused(const struct pipeline *pipeline)
+{
+    return pipeline->bounce.kernel.handle != NULL;
+}
+
 enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,
                                  const struct device_scene *scene, uint32_t form)
 {
@@ -257,7 +262,7 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
 
     const uint32_t bounces = pipeline_bounces(scene, depth);
     const uint32_t *form_of = pipeline->form_of;
-    if (pipeline->bounce.kernel.handle != NULL)
+    if (pipeline_is_fused(pipeline))
         return enqueue_fused(pipeline, &context, bounces);
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {

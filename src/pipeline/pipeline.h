@@ -67,6 +67,9 @@ enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu,
  * lights alone. */
 bool pipeline_can_fuse(const struct device_scene *scene, const struct program_options *options);
 
+/** Whether it is built so. */
+bool pipeline_is_fused(const struct pipeline *pipeline);
+
 /** Builds a form's stages for shadow rays if they are not. Fails, or marks it as failed, as above.
  */
 enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,

@@ -101,7 +101,10 @@ static struct lk_image *render_by(const struct lk_settings *settings, bool fused
     struct lk_settings chosen = *settings;
     chosen.profile = !fused;
     choice_always_fuses = fused;
-    return render(scene, &chosen);
+    struct lk_image *image = render(scene, &chosen);
+    assert_int_equal(lk_image_info(image)->devices[0].fused,
+                     fused && settings->trace == LK_TRACE_SIMPLE);
+    return image;
 }
 
 static void assert_alike(const char *what, const struct lk_image *a, const struct lk_image *b)
