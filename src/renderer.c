@@ -297,8 +297,11 @@ static void adapt(struct renderer *r, uint32_t count, double seconds)
     r->batch_paths = whole > 0 ? whole : (uint32_t)paths;
     if (r->batch_paths == 0)
         r->batch_paths = 1;
+
+    // Only full queues go by runs: smaller ones are on their way up, where each wait tells more.
     const double run = RUN_SECONDS / fmax(seconds * r->batch_paths / count, RUN_SECONDS / RUN_MAX);
-    r->batch_run = run < 1.0 ? 1 : (uint32_t)run;
+    const bool full = paths >= r->wavefront.capacity;
+    r->batch_run = full && run > 1.0 ? (uint32_t)run : 1;
 }
 
 // Adds what was counted since the counters were read before.
