@@ -32,10 +32,10 @@ static inline struct lanes4 lanes_turn(const float4 r0, const float4 r1, const f
                                        const float4 r3, const float4 r4, const float4 r5,
                                        const float4 r6, const float4 r7)
 {
-    const float8 a = (float8)(r0, r4);
-    const float8 b = (float8)(r1, r5);
-    const float8 c = (float8)(r2, r6);
-    const float8 d = (float8)(r3, r7);
+    const float8 a = lanes_whole((float8)(r0, r4));
+    const float8 b = lanes_whole((float8)(r1, r5));
+    const float8 c = lanes_whole((float8)(r2, r6));
+    const float8 d = lanes_whole((float8)(r3, r7));
     const float8 ab_lo = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);
     const float8 ab_hi = (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7);
     const float8 cd_lo = (float8)(c.s0, d.s0, c.s1, d.s1, c.s4, d.s4, c.s5, d.s5);
@@ -86,6 +86,13 @@ static inline uint8 lanes_put_word(const uint8 lanes, const uint lane, const uin
     return as_uint8(lanes_put(as_float8(lanes), lane, as_float(word)));
 }
 
+// Eight rows that are all the same.
+static inline struct lanes4 lanes_same(const float4 row)
+{
+    const struct lanes4 out = {row.x, row.y, row.z, row.w};
+    return out;
+}
+
 // LANES_OF(array, index, .member): a row of each lane's element, index[LANES] being its number.
 #define LANES_OF(array, index, member)                                                             \
     lanes_turn(array[(index)[0]] member, array[(index)[1]] member, array[(index)[2]] member,       \
@@ -103,6 +110,17 @@ static inline uint8 lanes_put_word(const uint8 lanes, const uint lane, const uin
     do {                                                                                           \
         const struct lanes_rows lanes_rows_ = lanes_turn_back(value);                              \
         const uint lanes_bits_ = bits;                                                             \
+        if (lanes_bits_ == 0xffu) { /* as most times */                                            \
+            array[(index)[0]] member = lanes_rows_.r04.lo;                                         \
+            array[(index)[1]] member = lanes_rows_.r15.lo;                                         \
+            array[(index)[2]] member = lanes_rows_.r26.lo;                                         \
+            array[(index)[3]] member = lanes_rows_.r37.lo;                                         \
+            array[(index)[4]] member = lanes_rows_.r04.hi;                                         \
+            array[(index)[5]] member = lanes_rows_.r15.hi;                                         \
+            array[(index)[6]] member = lanes_rows_.r26.hi;                                         \
+            array[(index)[7]] member = lanes_rows_.r37.hi;                                         \
+            break;                                                                                 \
+        }                                                                                          \
         if (lanes_bits_ & 1u)                                                                      \
             array[(index)[0]] member = lanes_rows_.r04.lo;                                         \
         if (lanes_bits_ & 2u)                                                                      \

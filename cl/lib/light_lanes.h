@@ -113,8 +113,11 @@ static inline struct light_lanes light_lanes_sample(
     const uint *index, const uint bits, const struct surface *surface, const struct lanes3 p,
     const struct lanes3 normal, const float8 u0, const float8 u1)
 {
-    const struct lanes4 org_range = LANES_OF(lights, index, .org_range);
-    const struct lanes4 color_kind = LANES_OF(lights, index, .color_kind);
+    const bool same = lanes_bits(vload8(0, index) == index[0]) == 0xffu; // one light for all
+    const struct lanes4 org_range =
+        same ? lanes_same(lights[index[0]].org_range) : LANES_OF(lights, index, .org_range);
+    const struct lanes4 color_kind =
+        same ? lanes_same(lights[index[0]].color_kind) : LANES_OF(lights, index, .color_kind);
     const struct lanes3 color = lanes3_xyz(color_kind);
     const uint8 kind = as_uint8(color_kind.w);
     const int8 type = as_int8(kind & LIGHT_TYPE_MASK);
@@ -133,8 +136,8 @@ static inline struct light_lanes light_lanes_sample(
     if (lanes_bits(type != LIGHT_POINT) != 0) {
         uint shape[LANES];
         vstore8(kind >> LIGHT_SHAPE_SHIFT, 0, shape);
-        edge_u = LANES_OF(shapes, shape, .edge_u);
-        edge_v = LANES_OF(shapes, shape, .edge_v);
+        edge_u = same ? lanes_same(shapes[shape[0]].edge_u) : LANES_OF(shapes, shape, .edge_u);
+        edge_v = same ? lanes_same(shapes[shape[0]].edge_v) : LANES_OF(shapes, shape, .edge_v);
         const struct lanes3 u = lanes3_xyz(edge_u);
         const struct lanes3 v = lanes3_xyz(edge_v);
         const float8 below = lanes3_dot(lanes3_normalize(lanes3_cross(u, v)), way);
