@@ -143,7 +143,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_packets(
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_few(TRACE_PARAMETERS,
                                                                        const uint block_count)
 {
-    TRACED_SCENE(scene);
+    struct few few;
+    few_begin(&few, woop, refs, block_count);
     const uint count = counters[bounce].active;
     SHADE_LANES_LOOP(i, count)
     {
@@ -151,26 +152,15 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_few(TRACE_PAR
         const uint used = shade_lanes_slots(slots, queue, i, count);
         const struct lanes4 org = LANES_OF(rays, slots, .org);
         const struct lanes4 dir = LANES_OF(rays, slots, .dir);
-        struct few_hits found;
 #if RAY_SPANS
         const float8 tmin = org.w;
-        found.t = dir.w;
+        struct few_hits found = few_hits_begin(dir.w);
 #else
         const float8 tmin = (float8)(0.0f);
-        found.t = (float8)(FLT_MAX);
+        struct few_hits found = few_hits_begin((float8)(FLT_MAX));
 #endif
-        found.u = (float8)(0.0f);
-        found.v = (float8)(0.0f);
-        found.ref = (uint8)(HIT_NONE);
-        traverse_few(&found, &scene, block_count, lanes3_xyz(org), lanes3_xyz(dir), tmin);
-
-        // Name the triangles.
-        uint ref[LANES];
-        vstore8(found.ref != HIT_NONE ? found.ref : (uint8)(0u), 0, ref);
-        const uint8 triangle = LANES_WORD(uint8, refs, ref, ) & BVH_REF_TRIANGLE;
-        const uint8 name = found.ref != HIT_NONE ? triangle : (uint8)(HIT_NONE);
-        const struct lanes4 hit = {found.t, found.u, found.v, as_float8(name)};
-        LANES_STORE(((__global float4 *)hits), slots, , used, hit);
+        traverse_few(&found, &few, lanes3_xyz(org), lanes3_xyz(dir), tmin, false);
+        LANES_STORE(((__global float4 *)hits), slots, , used, few_name(&found, &few));
     }
 }
 

@@ -4,11 +4,6 @@
 #include "shared/bvh_wide.h"
 #include "shared/ray.h"
 
-// Blocks of triangles that are few. On a CPU the bounces of a box of 32 triangles, in 13 blocks,
-// take two thirds of the time that they take through nodes; what eight rays at once need grows with
-// the number of triangles, what each needs by itself hardly does.
-#define FEW_BLOCKS 16u
-
 enum status trace_build(struct trace *out, const struct gpu *gpu,
                         const struct program_options *options, uint32_t *built)
 {
@@ -51,7 +46,7 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
                               (context->batch.count + RAY_PACKET - 1) / RAY_PACKET);
     const uint32_t block_count =
         (uint32_t)(scene->bvhs[LAYOUT_WIDE].woop.size / sizeof(struct woop_block));
-    if (trace->few.handle != NULL && block_count <= FEW_BLOCKS) {
+    if (trace->few.handle != NULL && block_count <= WIDE_FEW_BLOCKS) {
         args[count] = (struct kernel_arg)ARG_VALUE(block_count); // in place of the paths
         return kernel_enqueue(context->gpu, &trace->few, args, count + 1,
                               stage_shade_items(context));
