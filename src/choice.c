@@ -129,7 +129,7 @@ void choice_begin(struct choice *out, const struct lk_settings *asked,
     const struct form ruled = {rule->trace, rule->bvh, FORM_TRACES, NULL};
     const struct form shadows = {rule->trace, rule->bvh, FORM_SHADOWS, NULL};
     const bool forced = asked->trace != LK_TRACE_AUTO && asked->bvh != LK_BVH_AUTO;
-    *out = (struct choice){0};
+    *out = (struct choice){.apart = asked->trace != LK_TRACE_AUTO || asked->profile};
     if (!forced && rule->nodes == LK_NODES_BUFFER)
         add_candidates(out, asked, rule, gpu);
     for (int c = 0; c < RAY_CLASSES; c++) {
@@ -145,6 +145,7 @@ void choice_fall_back(struct choice *choice)
                                BOTH, NULL};
     choice->forms[0] = plain;
     choice->form_count = 1;
+    choice->apart = true;
     choice->open = choice->broken = false;
     for (int c = 0; c < RAY_CLASSES; c++) {
         choice->of[c] = 0;

@@ -36,6 +36,7 @@ struct choice {
     uint32_t of[RAY_CLASSES]; // index of the form that traces them
     enum lk_reason reasons[RAY_CLASSES];
     bool fused;           // bounces are to be one kernel
+    bool apart;           // the settings force a form or time each stage: none takes whole paths
     bool open;            // a probe is to decide
     bool broken;          // it did, and nothing can be taken; choice_fall_back() is left
     struct build_key key; // of what it finds

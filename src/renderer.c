@@ -146,7 +146,7 @@ static enum status build_pipeline(struct renderer *r)
         forms[choice->of[c]].shadows |= c == RAYS_SHADOW;
     }
     return pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options, forms, choice->form_count,
-                          choice->open);
+                          choice->apart, choice->open);
 }
 
 static bool is_taken(const struct choice *choice, uint32_t form)

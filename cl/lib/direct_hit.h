@@ -12,8 +12,6 @@
 #include "lib/shadow_lanes.h"
 #include "lib/traverse.h"
 
-#define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
-
 #if !SHADE_LANES
 
 // The numbers of a round of choosing lights. Rounds that draw from all lights share one sequence;

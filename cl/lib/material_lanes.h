@@ -12,13 +12,9 @@
 #include "lib/material_bsdf.h"
 #include "lib/shade_lanes.h"
 #include "lib/texture_lanes.h"
+#include "lib/texture_use.h"
 
 #if SHADE_LANES
-
-// What keeps a material from being shaded here.
-#define MATERIAL_LANES_NOT                                                                         \
-    (MATERIAL_UNLIT | MATERIAL_VERTEX_COLOR | MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP |     \
-     MATERIAL_LAYERED)
 
 // Where eight rays have met what. Lanes that hit nothing take part as if they had hit the first
 // triangle.
@@ -73,18 +69,19 @@ static inline struct lanes4 material_lanes_all_uv(const struct surface *s,
 static inline uint material_lanes_textured(const struct surface *s,
                                            const struct material_lanes_hits *h, const uint use)
 {
+    if (!TEXTURE_IS_USED(use))
+        return 0;
     const uint8 flags = LANES_WORD(uint8, s->materials, h->material, .textures[use].flags);
     return lanes_bits((flags & TEXTURE_PRESENT) != 0u);
 }
 
-// Sees what was hit by the eight from place `first` of the queue on, and asks for its texels.
-static inline void material_lanes_meet(struct material_lanes_hits *h,
-                                       __global const uint *restrict order, const uint first,
-                                       const uint end, __global const struct hit *hits,
-                                       const struct surface *s)
+// Sees what eight rays have hit, and asks for its texels.
+//
+//   used  bits of the slots, already in h, that there are
+//   hit   t, u, v, and the triangle, as in struct hit
+static inline void material_lanes_see(struct material_lanes_hits *h, const uint used,
+                                      const struct lanes4 hit, const struct surface *s)
 {
-    const uint used = shade_lanes_slots(h->slots, order, first, end);
-    const struct lanes4 hit = LANES_OF(((__global const float4 *)hits), h->slots, );
     const uint8 triangle = as_uint8(hit.w);
     const uint met = used & lanes_bits(triangle != HIT_NONE);
     vstore8(triangle != HIT_NONE ? triangle : (uint8)(0u), 0, h->triangle);
@@ -98,7 +95,7 @@ static inline void material_lanes_meet(struct material_lanes_hits *h,
     h->v = hit.z;
     h->flags = LANES_WORD(uint8, s->materials, h->material, .flags);
     h->missed = used & ~met;
-    h->own = met & lanes_bits((h->flags & MATERIAL_LANES_NOT) == 0u);
+    h->own = met & lanes_bits((h->flags & MATERIAL_EXTRAS) == 0u);
     h->others = met & ~h->own;
     h->textured = h->own & lanes_bits((h->flags & MATERIAL_LAMBERT) != 0u) &
                   material_lanes_textured(s, h, TEXTURE_BASE);
@@ -109,6 +106,16 @@ static inline void material_lanes_meet(struct material_lanes_hits *h,
 #if PREFETCHES
     texture_lanes_warm(&h->base, h->textured, s->texels);
 #endif
+}
+
+// The same of the eight from place `first` of the queue on.
+static inline void material_lanes_meet(struct material_lanes_hits *h,
+                                       __global const uint *restrict order, const uint first,
+                                       const uint end, __global const struct hit *hits,
+                                       const struct surface *s)
+{
+    const uint used = shade_lanes_slots(h->slots, order, first, end);
+    material_lanes_see(h, used, LANES_OF(((__global const float4 *)hits), h->slots, ), s);
 }
 
 // Multiplies the emission of those lanes that have a bit with its texture.
@@ -164,21 +171,28 @@ static inline void material_lanes_look_up(struct material_lanes_bsdf *out,
     out->bits[k] = PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE) | bsdf_bits(&b);
 }
 
-// Shades those of the eight that are shaded here, and ends the paths of those that hit nothing.
-static inline void material_lanes(__constant struct settings *settings, const uint bounce,
-                                  const struct material_lanes_hits *h, const struct surface *s,
-                                  __global const uint *triangle_emitters,
-                                  __global const struct light *lights,
-                                  __global const struct light_shape *shapes,
-                                  __global const float4 *light_nodes,
-                                  __global const uint *light_parents,
-                                  __global const uint *light_leaves, __global struct ray *rays,
-                                  __global struct path *paths, __global struct shade *shades)
+// Hits that are shaded.
+struct material_lanes_shaded {
+    struct lanes3 org;               // where rays leave the surfaces
+    struct lanes3 geometric, normal; // viewer's side
+    struct lanes3 diffuse, f0;
+    float8 f90, dielectric_f0;
+    struct lanes3 throughput, radiance; // of their paths
+    uint8 bits;                         // of path.throughput_bits.w
+};
+
+// Shades those of the eight that are shaded here.
+//
+//   ray_dir, throughput_bits, radiance_normal  rows of their rays and paths
+static inline void material_lanes_shade(
+    struct material_lanes_shaded *out, __constant struct settings *settings, const uint bounce,
+    const struct material_lanes_hits *h, const struct surface *s,
+    __global const uint *triangle_emitters, __global const struct light *lights,
+    __global const struct light_shape *shapes, __global const float4 *light_nodes,
+    __global const uint *light_parents, __global const uint *light_leaves,
+    __global const struct ray *rays, const struct lanes4 ray_dir,
+    const struct lanes4 throughput_bits, const struct lanes4 radiance_normal)
 {
-    for (uint missed = h->missed; missed != 0; missed &= missed - 1)
-        paths[h->slots[lanes_lowest(missed)]].throughput_bits.w = as_float(0u);
-    if (h->own == 0)
-        return;
     const uint *slots = h->slots;
     const uint own = h->own;
     const uint8 flags = h->flags;
@@ -193,15 +207,12 @@ static inline void material_lanes(__constant struct settings *settings, const ui
     const struct lanes3 edge1 = lanes3_sub(lanes3_xyz(row1), corner);
     const struct lanes3 edge2 = lanes3_sub(lanes3_xyz(row2), corner);
     const struct lanes3 p = lanes3_muladd(edge1, h->u, lanes3_muladd(edge2, h->v, corner));
-    const struct lanes4 ray_dir = LANES_OF(rays, slots, .dir);
     const struct lanes3 dir = lanes3_xyz(ray_dir);
     struct lanes3 geometric = lanes3_normalize(lanes3_cross(edge1, edge2));
     const float8 cosine = lanes3_dot(geometric, dir);
     const int8 front = cosine < 0.0f;
 
     // Add what the surfaces emit towards the paths.
-    const struct lanes4 throughput_bits = LANES_OF(paths, slots, .throughput_bits);
-    const struct lanes4 radiance_normal = LANES_OF(paths, slots, .radiance_normal);
     const uint8 path_bits = as_uint8(throughput_bits.w);
     struct lanes3 throughput = lanes3_xyz(throughput_bits);
     struct lanes3 radiance = lanes3_xyz(radiance_normal);
@@ -302,20 +313,52 @@ static inline void material_lanes(__constant struct settings *settings, const ui
         bits = vload8(0, b.bits);
     }
 
-    // Write the hits. Those of paths that only collect emission are not lit.
-    bits = (path_bits & PATH_COLLECT) != 0u ? (uint8)(0u) : bits;
+    // Those of paths that only collect emission are not lit.
     const float8 largest = max8(max8(fabs(p.x), fabs(p.y)), fabs(p.z));
-    const struct lanes3 org =
-        lanes3_muladd(geometric, largest * SURFACE_OFFSET + SURFACE_OFFSET_LEAST, p);
-    LANES_STORE(rays, slots, .org, own, lanes4_make(org, as_float8(lanes_oct_pack(geometric))));
-    LANES_STORE(paths, slots, .throughput_bits, own, lanes4_make(throughput, as_float8(bits)));
+    out->org = lanes3_muladd(geometric, largest * SURFACE_OFFSET + SURFACE_OFFSET_LEAST, p);
+    out->geometric = geometric;
+    out->normal = normal;
+    out->diffuse = diffuse;
+    out->f0 = f0;
+    out->f90 = f90;
+    out->dielectric_f0 = dielectric_f0;
+    out->throughput = throughput;
+    out->radiance = radiance;
+    out->bits = (path_bits & PATH_COLLECT) != 0u ? (uint8)(0u) : bits;
+}
+
+// Shades those of the eight that are shaded here and writes them, and ends the paths of those that
+// hit nothing.
+static inline void material_lanes(__constant struct settings *settings, const uint bounce,
+                                  const struct material_lanes_hits *h, const struct surface *s,
+                                  __global const uint *triangle_emitters,
+                                  __global const struct light *lights,
+                                  __global const struct light_shape *shapes,
+                                  __global const float4 *light_nodes,
+                                  __global const uint *light_parents,
+                                  __global const uint *light_leaves, __global struct ray *rays,
+                                  __global struct path *paths, __global struct shade *shades)
+{
+    for (uint missed = h->missed; missed != 0; missed &= missed - 1)
+        paths[h->slots[lanes_lowest(missed)]].throughput_bits.w = as_float(0u);
+    if (h->own == 0)
+        return;
+    const uint *slots = h->slots;
+    const uint own = h->own;
+    struct material_lanes_shaded m;
+    material_lanes_shade(&m, settings, bounce, h, s, triangle_emitters, lights, shapes, light_nodes,
+                         light_parents, light_leaves, rays, LANES_OF(rays, slots, .dir),
+                         LANES_OF(paths, slots, .throughput_bits),
+                         LANES_OF(paths, slots, .radiance_normal));
+    LANES_STORE(rays, slots, .org, own, lanes4_make(m.org, as_float8(lanes_oct_pack(m.geometric))));
+    LANES_STORE(paths, slots, .throughput_bits, own, lanes4_make(m.throughput, as_float8(m.bits)));
     LANES_STORE(paths, slots, .radiance_normal, own,
-                lanes4_make(radiance, as_float8(lanes_oct_pack(normal))));
+                lanes4_make(m.radiance, as_float8(lanes_oct_pack(m.normal))));
     struct lanes4 shade;
-    shade.x = lanes_pack_shares(diffuse.x, diffuse.y);
-    shade.y = lanes_pack_shares(diffuse.z, dielectric_f0);
-    shade.z = lanes_pack_shares(f0.x, f0.y);
-    shade.w = lanes_pack_shares(f0.z, f90);
+    shade.x = lanes_pack_shares(m.diffuse.x, m.diffuse.y);
+    shade.y = lanes_pack_shares(m.diffuse.z, m.dielectric_f0);
+    shade.z = lanes_pack_shares(m.f0.x, m.f0.y);
+    shade.w = lanes_pack_shares(m.f0.z, m.f90);
     LANES_STORE(((__global float4 *)shades), slots, , own, shade);
 }
 

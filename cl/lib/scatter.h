@@ -70,14 +70,12 @@ static inline bool scatter_slot(__constant struct settings *settings, const stru
 
 // As scatter_slot(), for those of eight slots that have a bit: all are Lambert, and may go on.
 // Returns bits of those that do.
-static inline uint scatter_lanes(__constant struct settings *settings, const struct batch batch,
-                                 const uint bounce, const uint *slots, const uint bits,
+static inline uint scatter_lanes(__constant struct settings *settings, const uint bounce,
+                                 const struct lanes_place place, const uint *slots, const uint bits,
                                  const struct lambert_lanes *b, __global struct ray *restrict rays,
                                  __global struct path *restrict paths,
-                                 __global const uint4 *restrict points,
-                                 __global const uint *restrict places)
+                                 __global const uint4 *restrict points)
 {
-    const struct lanes_place place = lanes_place(batch, places, vload8(0, slots));
     const struct lanes_numbers numbers =
         lanes_draw(settings, points, place.pixel, place.sample, bounce, RNG_USE_BSDF, (uint8)(0u));
     const struct lanes3 dir =
@@ -132,8 +130,8 @@ static inline void scatter_eight(
     const uint alone = lambert & lanes_bits(b->alone); // these end here
     uint going = 0;
     if (lambert != alone)
-        going = scatter_lanes(settings, batch, bounce, slots, lambert & ~alone, b, rays, paths,
-                              points, places);
+        going = scatter_lanes(settings, bounce, lanes_place(batch, places, vload8(0, slots)), slots,
+                              lambert & ~alone, b, rays, paths, points);
     for (uint rest = others | alone; rest != 0; rest &= rest - 1) {
         const uint k = lanes_lowest(rest);
         if (scatter_slot(settings, batch, bounce, slots[k], shades, rays, paths, points, places))

@@ -9,6 +9,8 @@
 #include "lib/shade_lanes.h"
 #include "lib/traverse.h"
 
+#define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
+
 // A shadow ray, and what it brings if the way is free.
 struct shadow {
     float3 dir;   // unit

@@ -33,7 +33,8 @@ struct alone {
 struct rate {
     enum way way;
     struct lk_settings settings;
-    struct lk_render_info info;      // of the last run; its kernels of one with events
+    struct lk_render_info info;      // of the last run; its kernels of one with events, which has
+                                     // stages apart that others may have in one
     double paths_per_s[RUNS_MAX];    // [runs], then in ascending order
     double rays_per_path;            // all kinds
     double alone_s;                  // that the rays of a path need by themselves

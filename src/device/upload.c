@@ -289,6 +289,7 @@ static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
         status = upload_images(out, gpu, set);
     out->material_count = set->material_count;
     out->untextured = (1u << TEXTURE_USE_COUNT) - 1;
+    out->lambert = true;
     const uint passing = MATERIAL_MASKED | MATERIAL_BLENDED | MATERIAL_TRANSMITS;
     for (uint32_t i = 0; i < set->material_count; i++) {
         const uint flags = set->materials[i].flags;
@@ -299,6 +300,8 @@ static enum status upload_materials(struct device_scene *out, struct gpu *gpu,
         out->normal_maps |= (flags & (MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP)) != 0;
         out->layers |= (flags & MATERIAL_LAYERED) != 0;
         out->sheen |= (flags & MATERIAL_SHEEN) != 0;
+        out->lambert =
+            out->lambert && (flags & (MATERIAL_LAMBERT | MATERIAL_EXTRAS)) == MATERIAL_LAMBERT;
         out->glossy |= (flags & (MATERIAL_LAMBERT | MATERIAL_LAYERED)) != MATERIAL_LAMBERT;
     }
     return status;

@@ -70,6 +70,8 @@ struct device_scene {
     bool few_lights;        // the root of the light BVH has them all
     uint32_t untextured;    // bits of enum texture_use: no material has such a texture
     bool glossy;            // some material has more than a Lambert term
+    bool lambert;           // all have it and no more: neither layers, normal maps, vertex colours
+                            // nor unlit ones
 };
 
 /** What upload() will take on the device, images apart; of the BVH, all layouts asked for. */

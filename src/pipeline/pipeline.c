@@ -13,13 +13,17 @@ static bool has_far_lights(const struct device_scene *scene)
 }
 
 // The stages that are built, those that trace for each form, and whether a scene needs them.
-enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, STAGE_COUNT };
+enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, PATHS, STAGE_COUNT };
 enum form_stage { TRACE, DIRECT, DIRECTIONAL, FORM_STAGE_COUNT };
 
 static bool needs_stage(enum stage stage, const struct device_scene *scene,
                         const struct pipeline *p)
 {
+    if (p->whole)
+        return stage == RAYGEN || stage == PATHS;
     switch (stage) {
+    case PATHS:
+        return false;
     case ENVIRONMENT:
         return has_environment(scene);
     case SORT:
@@ -56,8 +60,10 @@ static enum status build_stage(struct pipeline *p, enum stage stage, const struc
         return sort_build(&p->sort, gpu, &p->options, built);
     case MATERIAL:
         return material_build(&p->material, gpu, &p->options, built);
-    default:
+    case SCATTER:
         return scatter_build(&p->scatter, gpu, &p->options, built);
+    default:
+        return paths_build(&p->paths, gpu, &p->options, built);
     }
 }
 
@@ -83,15 +89,17 @@ static enum status build_job(struct pipeline *p, int job, const struct gpu *gpu,
                                                       : STATUS_OK;
     struct pipeline_form *form = &p->forms[(job - STAGE_COUNT) / FORM_STAGE_COUNT];
     const enum form_stage stage = (enum form_stage)((job - STAGE_COUNT) % FORM_STAGE_COUNT);
-    return needs_form_stage(stage, scene, form) ? build_form_stage(form, stage, gpu, built)
-                                                : STATUS_OK;
+    return !p->whole && needs_form_stage(stage, scene, form)
+               ? build_form_stage(form, stage, gpu, built)
+               : STATUS_OK;
 }
 
 #define JOBS_MAX (STAGE_COUNT + FORM_STAGE_COUNT * (int)PIPELINE_FORMS_MAX)
 
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
-                           const struct pipeline_form *forms, uint32_t form_count, bool compares)
+                           const struct pipeline_form *forms, uint32_t form_count, bool apart,
+                           bool compares)
 {
     struct pipeline p = {.options = *options, .form_count = form_count, .compares = compares};
     enum status statuses[JOBS_MAX] = {STATUS_OK};
@@ -101,6 +109,8 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     const int threads = gpu->info.is_cpu ? 1 : job_count;
     for (uint32_t i = 0; i < form_count; i++)
         p.forms[i] = forms[i];
+    p.whole = gpu->info.is_cpu && !apart && !compares && form_count == 1 &&
+              paths_take(scene, &forms[0].options);
 
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (int i = 0; i < job_count; i++)
@@ -159,7 +169,7 @@ enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gp
                                  const struct device_scene *scene, uint32_t form)
 {
     struct pipeline_form *f = &pipeline->forms[form];
-    if (f->shadows)
+    if (f->shadows || pipeline->whole)
         return STATUS_OK;
     f->shadows = true;
     enum status status = STATUS_OK;
@@ -265,6 +275,8 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
     if (pipeline_is_fused(pipeline))
         return enqueue_fused(pipeline, &context, bounces);
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
+    if (pipeline->whole)
+        return status == STATUS_OK ? paths_enqueue(&pipeline->paths, &context) : status;
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
         const bool goes_on = context.bounce + 1 < bounces;
         context.scatters = goes_on && pipeline_has_shadows(scene);
@@ -283,6 +295,7 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
 void pipeline_free(struct pipeline *pipeline)
 {
     bounce_free(&pipeline->bounce);
+    paths_free(&pipeline->paths);
     scatter_free(&pipeline->scatter);
     for (uint32_t i = 0; i < pipeline->form_count; i++)
         pipeline_drop(pipeline, i);

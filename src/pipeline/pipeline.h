@@ -37,10 +37,12 @@ struct pipeline {
     struct material_stage material;
     struct scatter scatter; // unused unless no stage traces shadow rays, or forms are compared
     struct bounce bounce;   // if it is built, what all but raygen and it would do
+    struct paths_stage paths; // in place of the others but raygen; unused unless `whole`
     struct pipeline_form forms[PIPELINE_FORMS_MAX];
     uint32_t form_count;
     uint32_t form_of[RAY_CLASSES]; // how rays are traced
     bool compares;                 // forms are to be compared
+    bool whole;                    // one stage takes whole paths
     struct program_options options;
     uint32_t built; // programs compiled from source
 };
@@ -50,11 +52,13 @@ struct pipeline {
  *
  * @param options     Of stages that do not trace.
  * @param forms       [form_count] of the others; options, traces, shadows and may_fail are read.
+ * @param apart       No stage takes whole paths, whatever the scene.
  * @param compares    Several may light the same hits before the stage scatter sends them on.
  */
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
-                           const struct pipeline_form *forms, uint32_t form_count, bool compares);
+                           const struct pipeline_form *forms, uint32_t form_count, bool apart,
+                           bool compares);
 
 /**
  * Builds the pipeline of two kernels: bounce, and raygen, which is left with clearing counters. For

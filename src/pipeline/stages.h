@@ -149,4 +149,16 @@ enum status scatter_build(struct scatter *out, const struct gpu *gpu,
 enum status scatter_enqueue(const struct scatter *scatter, const struct stage_context *context);
 void scatter_free(struct scatter *scatter);
 
+/** In place of all stages from trace to scatter, on CPUs. */
+struct paths_stage {
+    struct kernel kernel;
+};
+
+/** Whether it can do what the stages of a form do in this scene: few triangles, all Lambert. */
+bool paths_take(const struct device_scene *scene, const struct program_options *form);
+enum status paths_build(struct paths_stage *out, const struct gpu *gpu,
+                        const struct program_options *options, uint32_t *built);
+enum status paths_enqueue(const struct paths_stage *paths, const struct stage_context *context);
+void paths_free(struct paths_stage *paths);
+
 #endif

@@ -1,0 +1,168 @@
+/**
+ * @file
+ * Eight hits side by side choose lights and draw points on them, on CPUs: for cl/direct.cl and
+ * cl/paths.cl.
+ */
+#ifndef LIB_DIRECT_LANES_H
+#define LIB_DIRECT_LANES_H
+
+#include "lib/light_lanes.h"
+#include "lib/light_sampler.h"
+#include "lib/shadow_lanes.h"
+
+#if SHADE_LANES
+
+// What eight hits choose lights by, and what they have chosen.
+struct direct_lanes {
+    float p[3][LANES], normal[3][LANES];
+    struct light_choice choices[LANES];
+    bool at_once; // they have chosen all at once, and no choices are there;
+    uint only;    // then, bits of hits that are yet to take their only light
+    uint light[LANES];
+    float8 expected; // times a hit takes its light, on average
+};
+
+// The numbers of a round of choosing lights: light_numbers() of cl/direct.cl.
+static inline struct lanes_numbers direct_lanes_numbers(__constant struct settings *settings,
+                                                        __global const uint4 *restrict points,
+                                                        const struct lanes_place place,
+                                                        const uint bounce, const uint round)
+{
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_ALL
+    const uint8 number = place.sample;
+    const uint8 index = (uint8)(round);
+#else
+    const uint8 number = place.sample * settings->shadow_rays + round;
+    const uint8 index = (uint8)(0u);
+#endif
+    return lanes_draw(settings, points, place.pixel, number, bounce, RNG_USE_LIGHT, index);
+}
+
+// Those of the places on the lights that were chosen: light_place_numbers() of cl/direct.cl.
+static inline struct lanes_numbers direct_lanes_place_numbers(__constant struct settings *settings,
+                                                              __global const uint4 *restrict points,
+                                                              const struct lanes_place place,
+                                                              const uint bounce, const uint round,
+                                                              const struct lanes_numbers chosen,
+                                                              const struct direct_lanes *d)
+{
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+    return lanes_draw(settings, points, place.pixel, place.sample * settings->shadow_rays + round,
+                      bounce, RNG_USE_LIGHT, vload8(0, d->light) + 1u);
+#else
+    return chosen;
+#endif
+}
+
+// Chooses for all where that takes no walk. One light needs no choice, and that by eight walks is a
+// seventh of this stage.
+static inline bool direct_lanes_choose(struct direct_lanes *d, __constant struct settings *settings,
+                                       const uint round, const uint8 numbers)
+{
+#if LIGHT_SAMPLER == LIGHT_SAMPLER_ALL
+    vstore8((uint8)(round), 0, d->light);
+    d->expected = (float8)(1.0f);
+    return true;
+#elif LIGHT_SAMPLER == LIGHT_SAMPLER_UNIFORM
+    const uint count = settings->light_count;
+    const int8 light = convert_int8(lanes_unit(numbers) * (float)count);
+    vstore8(as_uint8(min(light, (int8)((int)count - 1))), 0, d->light);
+    d->expected = (float8)((float)settings->shadow_rays / (float)count);
+    return true;
+#elif LIGHT_SAMPLER == LIGHT_SAMPLER_IMPORTANCE
+    vstore8((uint8)(0u), 0, d->light);
+    d->expected = (float8)((float)settings->shadow_rays);
+    return settings->light_count == 1;
+#else
+    return false;
+#endif
+}
+
+// Lets those hits that have a bit choose lights.
+static inline void direct_lanes_begin(struct direct_lanes *d, __constant struct settings *settings,
+                                      __global const float4 *light_nodes,
+                                      const struct lambert_lanes *b, uint bits, const uint round,
+                                      const uint8 numbers)
+{
+    d->only = bits;
+    d->at_once = direct_lanes_choose(d, settings, round, numbers);
+    if (d->at_once)
+        return;
+    uint number[LANES];
+    vstore8(numbers, 0, number);
+    vstore8(b->org.x, 0, d->p[0]);
+    vstore8(b->org.y, 0, d->p[1]);
+    vstore8(b->org.z, 0, d->p[2]);
+    vstore8(b->normal.x, 0, d->normal[0]);
+    vstore8(b->normal.y, 0, d->normal[1]);
+    vstore8(b->normal.z, 0, d->normal[2]);
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        light_choice_begin(
+            &d->choices[k], settings, light_nodes, (float3)(d->p[0][k], d->p[1][k], d->p[2][k]),
+            (float3)(d->normal[0][k], d->normal[1][k], d->normal[2][k]), round, number[k]);
+    }
+}
+
+// Takes the next light of those hits that have a bit. Returns bits of those that had one; the
+// others take part with some light.
+static inline uint direct_lanes_next(struct direct_lanes *d, __constant struct settings *settings,
+                                     __global const float4 *light_nodes, uint bits)
+{
+    if (d->at_once) {
+        const uint all = d->only;
+        d->only = 0;
+        return all;
+    }
+    uint drawn = 0;
+    uint8 lights = (uint8)(0u);
+    d->expected = (float8)(1.0f);
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = lanes_lowest(bits);
+        float expected;
+        const uint light =
+            light_choice_next(&expected, &d->choices[k], settings, light_nodes,
+                              (float3)(d->p[0][k], d->p[1][k], d->p[2][k]),
+                              (float3)(d->normal[0][k], d->normal[1][k], d->normal[2][k]));
+        if (light != EMITTER_NONE) {
+            lights = lanes_put_word(lights, k, light);
+            d->expected = lanes_put(d->expected, k, expected);
+            drawn |= 1u << k;
+        }
+    }
+    vstore8(lights, 0, d->light);
+    return drawn;
+}
+
+// struct shadow, lane by lane.
+struct direct_lanes_shadows {
+    struct lanes3 dir, value;
+    float8 reach;
+    int8 needed;
+};
+
+// As direct_weigh(), for those hits that have a bit: all are Lambert.
+static inline struct direct_lanes_shadows direct_lanes_weigh(
+    const struct direct_lanes *d, __global const struct light *lights,
+    __global const struct light_shape *shapes, const struct surface *surface, const uint bits,
+    const struct lambert_lanes *b, const float8 u0, const float8 u1)
+{
+    const struct light_lanes sampled =
+        light_lanes_sample(lights, shapes, d->light, bits, surface, b->org, b->geometric, u0, u1);
+    const float8 cosine = lanes3_dot(b->normal, sampled.dir);
+    const float8 density = cosine * INV_PI; // with which a bounce finds this direction
+    const struct lanes3 value = lanes3_mul(lanes3_scale(b->diffuse, density), sampled.radiance);
+    const float8 times = sampled.density > 0.0f ? d->expected * sampled.density : d->expected;
+    const float8 shared = lanes_mis_weight(times, density) / times;
+    struct direct_lanes_shadows out;
+    out.dir = sampled.dir;
+    out.reach = sampled.distance * SHADOW_REACH;
+    out.needed = (cosine > 0.0f) & (lanes3_dot(b->geometric, sampled.dir) > 0.0f) &
+                 (lanes3_max(value) > 0.0f) & lanes_mask(bits);
+    out.value = lanes3_scale(value, sampled.is_hittable & ~b->alone ? shared : 1.0f / times);
+    return out;
+}
+
+#endif
+
+#endif
