@@ -160,6 +160,12 @@ static bool is_taken(const struct choice *choice, uint32_t form)
 static void tell(const struct renderer *r)
 {
     const struct choice *choice = &r->choice;
+    if (r->pipeline.whole) {
+        log_message(LOG_INFO,
+                    "device \"%s\": whole paths by one stage (few triangles, all Lambert)",
+                    r->gpu.info.name);
+        return;
+    }
     for (int c = 0; c < RAY_CLASSES; c++) {
         char name[96];
         log_message(LOG_INFO, "device \"%s\": %s rays by %s (%s)", r->gpu.info.name,

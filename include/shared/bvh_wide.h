@@ -23,8 +23,8 @@
 #define WIDE_NO_REF    0xffffffffu // refs[] of a lane without a triangle
 
 // Blocks of triangles that are few. On a CPU the bounces of a box of 32 triangles, in 13 blocks,
-// take two thirds of the time that they take through nodes; what eight rays at once need grows with
-// the number of triangles, what each needs by itself hardly does.
+// take half of the time that they take through nodes; what eight rays at once need grows with the
+// number of triangles, what each needs by itself hardly does.
 #define WIDE_FEW_BLOCKS 16u
 
 // Entries of a traversal stack: each level of a tree shallower than BVH_STACK_SIZE, before it is
