@@ -22,7 +22,7 @@ struct direct_lanes {
     float8 expected; // times a hit takes its light, on average
 };
 
-// The numbers of a round of choosing lights: light_numbers() of cl/direct.cl.
+// The numbers of a round of choosing lights: light_numbers() of lib/direct_hit.h.
 static inline struct lanes_numbers direct_lanes_numbers(__constant struct settings *settings,
                                                         __global const uint4 *restrict points,
                                                         const struct lanes_place place,
@@ -38,7 +38,7 @@ static inline struct lanes_numbers direct_lanes_numbers(__constant struct settin
     return lanes_draw(settings, points, place.pixel, number, bounce, RNG_USE_LIGHT, index);
 }
 
-// Those of the places on the lights that were chosen: light_place_numbers() of cl/direct.cl.
+// Those of the places on the lights that were chosen: light_place_numbers() of lib/direct_hit.h.
 static inline struct lanes_numbers direct_lanes_place_numbers(__constant struct settings *settings,
                                                               __global const uint4 *restrict points,
                                                               const struct lanes_place place,

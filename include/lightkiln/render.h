@@ -98,7 +98,7 @@ struct lk_device_share {
     enum lk_bvh bvh;
     struct lk_tracing tracing[LK_RAYS_COUNT]; // how all rays are
     double probe_s;                           // measuring that took
-    bool fused;                               // a bounce was one kernel
+    bool fused;                               // a bounce, or a whole path, was one kernel
     enum lk_textures textures;
     uint32_t queue;
     uint64_t memory; // bytes it takes there

@@ -35,8 +35,8 @@ struct pipeline {
     struct environment_stage environment; // unused without an environment
     struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
-    struct scatter scatter; // unused unless no stage traces shadow rays, or forms are compared
-    struct bounce bounce;   // if it is built, what all but raygen and it would do
+    struct scatter scatter;   // unused unless no stage traces shadow rays, or forms are compared
+    struct bounce bounce;     // if it is built, what all but raygen and it would do
     struct paths_stage paths; // in place of the others but raygen; unused unless `whole`
     struct pipeline_form forms[PIPELINE_FORMS_MAX];
     uint32_t form_count;
