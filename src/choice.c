@@ -129,7 +129,7 @@ void choice_begin(struct choice *out, const struct lk_settings *asked,
     const struct form ruled = {rule->trace, rule->bvh, FORM_TRACES, NULL};
     const struct form shadows = {rule->trace, rule->bvh, FORM_SHADOWS, NULL};
     const bool forced = asked->trace != LK_TRACE_AUTO && asked->bvh != LK_BVH_AUTO;
-    *out = (struct choice){.apart = asked->trace != LK_TRACE_AUTO || asked->profile};
+    *out = (struct choice){0};
     if (!forced && rule->nodes == LK_NODES_BUFFER)
         add_candidates(out, asked, rule, gpu);
     for (int c = 0; c < RAY_CLASSES; c++) {
@@ -137,6 +137,9 @@ void choice_begin(struct choice *out, const struct lk_settings *asked,
         out->reasons[c] = forced ? LK_REASON_FORCED : LK_REASON_RULE;
     }
     out->open = is_open(out);
+    if (gpu->info.is_cpu && out->form_count == 1 && asked->trace == LK_TRACE_AUTO &&
+        !asked->profile)
+        out->fusion = FUSION_PATHS;
 }
 
 void choice_fall_back(struct choice *choice)
@@ -145,7 +148,7 @@ void choice_fall_back(struct choice *choice)
                                BOTH, NULL};
     choice->forms[0] = plain;
     choice->form_count = 1;
-    choice->apart = true;
+    choice->fusion = FUSION_NONE;
     choice->open = choice->broken = false;
     for (int c = 0; c < RAY_CLASSES; c++) {
         choice->of[c] = 0;
@@ -217,7 +220,7 @@ bool choice_fuse(struct choice *choice, const struct gpu *gpu, const struct lk_s
         scene->prepared.emitters.light_count == 0 || has_far_lights(scene, rule) ||
         !(choice_always_fuses || is_small(gpu, scene, rule)))
         return false;
-    choice->fused = true;
+    choice->fusion = FUSION_BOUNCES;
     choice->open = false;
     for (int c = 0; c < RAY_CLASSES; c++) {
         choice->of[c] = plain;

@@ -35,8 +35,7 @@ struct choice {
     uint32_t form_count;
     uint32_t of[RAY_CLASSES]; // index of the form that traces them
     enum lk_reason reasons[RAY_CLASSES];
-    bool fused;           // bounces are to be one kernel
-    bool apart;           // the settings force a form or time each stage: none takes whole paths
+    enum fusion fusion;   // what is to be one kernel, if the scene lets it
     bool open;            // a probe is to decide
     bool broken;          // it did, and nothing can be taken; choice_fall_back() is left
     struct build_key key; // of what it finds
@@ -51,7 +50,8 @@ extern uint32_t choice_candidate_count;
 extern bool choice_always_fuses;
 
 /**
- * Finds the forms that fit a device and the settings, and takes the rule's for all rays.
+ * Finds the forms that fit a device and the settings, and takes the rule's for all rays. On CPUs
+ * paths are to be one kernel, unless a form is forced or kernels are to be timed, each by itself.
  *
  * @param asked  The render's settings; what they force is kept.
  * @param rule   The same with what the rule takes (settings_choose_variants()).

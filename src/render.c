@@ -123,7 +123,7 @@ static void tell_tracing(struct render *render, size_t index)
     share->trace = share->tracing[LK_RAYS_LATER_BOUNCES].trace;
     share->bvh = share->tracing[LK_RAYS_LATER_BOUNCES].bvh;
     share->probe_s = choice->probe_s;
-    share->fused = pipeline_is_fused(&r->pipeline) || r->pipeline.whole;
+    share->fused = r->pipeline.fusion != FUSION_NONE;
     plan_describe(&described, render->scene, &r->chosen, choice_layouts(choice), &r->camera,
                   r->chosen.queue);
     share->memory = described.memory.total_device;

@@ -146,7 +146,7 @@ static enum status build_pipeline(struct renderer *r)
         forms[choice->of[c]].shadows |= c == RAYS_SHADOW;
     }
     return pipeline_build(&r->pipeline, &r->gpu, &r->scene, &options, forms, choice->form_count,
-                          choice->apart, choice->open);
+                          choice->open);
 }
 
 static bool is_taken(const struct choice *choice, uint32_t form)
@@ -160,12 +160,6 @@ static bool is_taken(const struct choice *choice, uint32_t form)
 static void tell(const struct renderer *r)
 {
     const struct choice *choice = &r->choice;
-    if (r->pipeline.whole) {
-        log_message(LOG_INFO,
-                    "device \"%s\": whole paths by one stage (few triangles, all Lambert)",
-                    r->gpu.info.name);
-        return;
-    }
     for (int c = 0; c < RAY_CLASSES; c++) {
         char name[96];
         log_message(LOG_INFO, "device \"%s\": %s rays by %s (%s)", r->gpu.info.name,
@@ -205,22 +199,27 @@ static enum status settle(struct renderer *r, bool *stuck)
     return STATUS_OK;
 }
 
-// Builds the pipeline of one kernel for each bounce. Returns false, and builds nothing, where that
-// is not wanted or cannot be.
+// Builds the pipeline that has one kernel for each bounce, or for whole paths. Returns false, and
+// builds nothing, where that is not wanted or cannot be.
 static bool fuse(struct renderer *r)
 {
     const struct choice *choice = &r->choice;
     struct program_options options = scene_options(r, &choice->forms[choice->of[RAYS_CAMERA]]);
-    if (!choice->fused || !pipeline_can_fuse(&r->scene, &options))
+    if (!pipeline_can_fuse(choice->fusion, &r->scene, &options))
         return false;
-    if (program_takes_votes(&r->gpu))
+    if (choice->fusion == FUSION_BOUNCES && program_takes_votes(&r->gpu))
         options.registers = FUSED_REGISTERS;
-    if (pipeline_build_fused(&r->pipeline, &r->gpu, &options) != STATUS_OK) {
+    if (pipeline_build_fused(&r->pipeline, &r->gpu, choice->fusion, &options) != STATUS_OK) {
         log_message(LOG_WARNING, "%s", status_message());
         return false;
     }
-    log_message(LOG_INFO, "device \"%s\": a bounce is one kernel", r->gpu.info.name);
-    tell(r);
+    if (choice->fusion == FUSION_PATHS) {
+        log_message(LOG_INFO, "device \"%s\": a path is one kernel (few triangles, all Lambert)",
+                    r->gpu.info.name);
+    } else {
+        log_message(LOG_INFO, "device \"%s\": a bounce is one kernel", r->gpu.info.name);
+        tell(r);
+    }
     return true;
 }
 

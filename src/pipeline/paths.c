@@ -10,8 +10,7 @@ bool paths_take(const struct device_scene *scene, const struct program_options *
 {
     const uint32_t blocks = block_count(scene);
     return form->bvh_wide && blocks > 0 && blocks <= WIDE_FEW_BLOCKS && scene->lambert &&
-           !scene->alpha && scene->light_count > 0 && scene->directional_count == 0 &&
-           scene->map.width == 0 && !form->textures_bound;
+           !scene->alpha;
 }
 
 enum status paths_build(struct paths_stage *out, const struct gpu *gpu,

@@ -13,17 +13,13 @@ static bool has_far_lights(const struct device_scene *scene)
 }
 
 // The stages that are built, those that trace for each form, and whether a scene needs them.
-enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, PATHS, STAGE_COUNT };
+enum stage { RAYGEN, ENVIRONMENT, SORT, MATERIAL, SCATTER, STAGE_COUNT };
 enum form_stage { TRACE, DIRECT, DIRECTIONAL, FORM_STAGE_COUNT };
 
 static bool needs_stage(enum stage stage, const struct device_scene *scene,
                         const struct pipeline *p)
 {
-    if (p->whole)
-        return stage == RAYGEN || stage == PATHS;
     switch (stage) {
-    case PATHS:
-        return false;
     case ENVIRONMENT:
         return has_environment(scene);
     case SORT:
@@ -60,10 +56,8 @@ static enum status build_stage(struct pipeline *p, enum stage stage, const struc
         return sort_build(&p->sort, gpu, &p->options, built);
     case MATERIAL:
         return material_build(&p->material, gpu, &p->options, built);
-    case SCATTER:
-        return scatter_build(&p->scatter, gpu, &p->options, built);
     default:
-        return paths_build(&p->paths, gpu, &p->options, built);
+        return scatter_build(&p->scatter, gpu, &p->options, built);
     }
 }
 
@@ -89,17 +83,15 @@ static enum status build_job(struct pipeline *p, int job, const struct gpu *gpu,
                                                       : STATUS_OK;
     struct pipeline_form *form = &p->forms[(job - STAGE_COUNT) / FORM_STAGE_COUNT];
     const enum form_stage stage = (enum form_stage)((job - STAGE_COUNT) % FORM_STAGE_COUNT);
-    return !p->whole && needs_form_stage(stage, scene, form)
-               ? build_form_stage(form, stage, gpu, built)
-               : STATUS_OK;
+    return needs_form_stage(stage, scene, form) ? build_form_stage(form, stage, gpu, built)
+                                                : STATUS_OK;
 }
 
 #define JOBS_MAX (STAGE_COUNT + FORM_STAGE_COUNT * (int)PIPELINE_FORMS_MAX)
 
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
-                           const struct pipeline_form *forms, uint32_t form_count, bool apart,
-                           bool compares)
+                           const struct pipeline_form *forms, uint32_t form_count, bool compares)
 {
     struct pipeline p = {.options = *options, .form_count = form_count, .compares = compares};
     enum status statuses[JOBS_MAX] = {STATUS_OK};
@@ -109,8 +101,6 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     const int threads = gpu->info.is_cpu ? 1 : job_count;
     for (uint32_t i = 0; i < form_count; i++)
         p.forms[i] = forms[i];
-    p.whole = gpu->info.is_cpu && !apart && !compares && form_count == 1 &&
-              paths_take(scene, &forms[0].options);
 
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (int i = 0; i < job_count; i++)
@@ -141,18 +131,33 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
     return STATUS_OK;
 }
 
-bool pipeline_can_fuse(const struct device_scene *scene, const struct program_options *options)
+// Whether no stage is needed that is in neither of the kernels that take several.
+static bool can_fuse(const struct device_scene *scene, const struct program_options *options)
 {
     return !options->textures_bound && scene->light_count > 0 && !has_far_lights(scene);
 }
 
-enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu,
+bool pipeline_can_fuse(enum fusion fusion, const struct device_scene *scene,
+                       const struct program_options *options)
+{
+    switch (fusion) {
+    case FUSION_BOUNCES:
+        return can_fuse(scene, options);
+    case FUSION_PATHS:
+        return can_fuse(scene, options) && paths_take(scene, options);
+    default:
+        return false;
+    }
+}
+
+enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu, enum fusion fusion,
                                  const struct program_options *options)
 {
-    struct pipeline p = {.options = *options};
+    struct pipeline p = {.options = *options, .fusion = fusion};
     enum status status = raygen_build(&p.raygen, gpu, options, &p.built);
     if (status == STATUS_OK)
-        status = bounce_build(&p.bounce, gpu, options, &p.built);
+        status = fusion == FUSION_PATHS ? paths_build(&p.paths, gpu, options, &p.built)
+                                        : bounce_build(&p.bounce, gpu, options, &p.built);
     if (status == STATUS_OK)
         *out = p;
     else
@@ -160,16 +165,11 @@ enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu,
     return status;
 }
 
-bool pipeline_is_fused(const struct pipeline *pipeline)
-{
-    return pipeline->bounce.kernel.handle != NULL;
-}
-
 enum status pipeline_add_shadows(struct pipeline *pipeline, const struct gpu *gpu,
                                  const struct device_scene *scene, uint32_t form)
 {
     struct pipeline_form *f = &pipeline->forms[form];
-    if (f->shadows || pipeline->whole)
+    if (f->shadows)
         return STATUS_OK;
     f->shadows = true;
     enum status status = STATUS_OK;
@@ -245,8 +245,8 @@ enum ray_class pipeline_class(uint32_t bounce)
     return bounce == 0 ? RAYS_CAMERA : bounce == 1 ? RAYS_FIRST_BOUNCE : RAYS_LATER_BOUNCES;
 }
 
-static enum status enqueue_fused(const struct pipeline *pipeline, struct stage_context *context,
-                                 uint32_t bounces)
+static enum status enqueue_bounces(const struct pipeline *pipeline, struct stage_context *context,
+                                   uint32_t bounces)
 {
     struct stage_context none = *context;
     none.batch.count = 0; // paths: bounce starts them
@@ -272,11 +272,11 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
 
     const uint32_t bounces = pipeline_bounces(scene, depth);
     const uint32_t *form_of = pipeline->form_of;
-    if (pipeline_is_fused(pipeline))
-        return enqueue_fused(pipeline, &context, bounces);
+    if (pipeline->fusion == FUSION_BOUNCES)
+        return enqueue_bounces(pipeline, &context, bounces);
     enum status status = raygen_enqueue(&pipeline->raygen, &context);
-    if (pipeline->whole)
-        return status == STATUS_OK ? paths_enqueue(&pipeline->paths, &context) : status;
+    if (status == STATUS_OK && pipeline->fusion == FUSION_PATHS)
+        return paths_enqueue(&pipeline->paths, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
         const bool goes_on = context.bounce + 1 < bounces;
         context.scatters = goes_on && pipeline_has_shadows(scene);

@@ -18,6 +18,13 @@ enum ray_class pipeline_class(uint32_t bounce);
 
 #define PIPELINE_FORMS_MAX 12u
 
+/** What one kernel does of what stages do. */
+enum fusion {
+    FUSION_NONE,    // its own stage
+    FUSION_BOUNCES, // all of a bounce: bounce
+    FUSION_PATHS    // all from trace to the path's end, on CPUs: paths
+};
+
 /** A way to trace: the stages that do, built alike. All zero is a valid empty one. */
 struct pipeline_form {
     struct program_options options;
@@ -36,13 +43,13 @@ struct pipeline {
     struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
     struct scatter scatter;   // unused unless no stage traces shadow rays, or forms are compared
-    struct bounce bounce;     // if it is built, what all but raygen and it would do
-    struct paths_stage paths; // in place of the others but raygen; unused unless `whole`
+    struct bounce bounce;     // in place of all but raygen; unused unless bounces are fused,
+    struct paths_stage paths; // and this one unless paths are
+    enum fusion fusion;
     struct pipeline_form forms[PIPELINE_FORMS_MAX];
     uint32_t form_count;
     uint32_t form_of[RAY_CLASSES]; // how rays are traced
     bool compares;                 // forms are to be compared
-    bool whole;                    // one stage takes whole paths
     struct program_options options;
     uint32_t built; // programs compiled from source
 };
@@ -52,27 +59,27 @@ struct pipeline {
  *
  * @param options     Of stages that do not trace.
  * @param forms       [form_count] of the others; options, traces, shadows and may_fail are read.
- * @param apart       No stage takes whole paths, whatever the scene.
  * @param compares    Several may light the same hits before the stage scatter sends them on.
  */
 enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct device_scene *scene, const struct program_options *options,
-                           const struct pipeline_form *forms, uint32_t form_count, bool apart,
-                           bool compares);
+                           const struct pipeline_form *forms, uint32_t form_count, bool compares);
 
 /**
- * Builds the pipeline of two kernels: bounce, and raygen, which is left with clearing counters. For
- * scenes that pipeline_can_fuse(). Fails as kernel_build().
+ * Builds the pipeline of two kernels: raygen, and the one that does the rest. With bounces fused
+ * raygen is left with clearing counters. For scenes that pipeline_can_fuse(). Fails as
+ * kernel_build().
  */
-enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu,
+enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu, enum fusion fusion,
                                  const struct program_options *options);
 
-/** Whether bounce does all that this scene needs: textures from the pool, and light from the tree's
- * lights alone. */
-bool pipeline_can_fuse(const struct device_scene *scene, const struct program_options *options);
-
-/** Whether it is built so. */
-bool pipeline_is_fused(const struct pipeline *pipeline);
+/**
+ * Whether its kernel does all that this scene needs: textures from the pool, and light from the
+ * tree's lights alone; that of paths takes few triangles that are all Lambert, in the 8-wide BVH.
+ * Not for FUSION_NONE.
+ */
+bool pipeline_can_fuse(enum fusion fusion, const struct device_scene *scene,
+                       const struct program_options *options);
 
 /** Builds a form's stages for shadow rays if they are not. Fails, or marks it as failed, as above.
  */

@@ -154,7 +154,7 @@ struct paths_stage {
     struct kernel kernel;
 };
 
-/** Whether it can do what the stages of a form do in this scene: few triangles, all Lambert. */
+/** Whether it can do what the stages of a form do with this scene's triangles: few, all Lambert. */
 bool paths_take(const struct device_scene *scene, const struct program_options *form);
 enum status paths_build(struct paths_stage *out, const struct gpu *gpu,
                         const struct program_options *options, uint32_t *built);
