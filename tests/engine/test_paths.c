@@ -95,6 +95,8 @@ static void assert_same_apart(const struct lk_settings *settings)
     for (uint32_t i = 0; i < 3 * width * height; i += 3)
         others += memcmp(&a[i], &b[i], 3 * sizeof(*a)) != 0;
     if (strcmp(one->device.type, "cpu") == 0) {
+        assert_true(one->devices[0].fused);
+        assert_false(other->devices[0].fused);
         assert_true(others <= WIDTH * HEIGHT / 500);
         assert_int_equal(one->rays_camera, other->rays_camera);
         assert_true(fabs((double)one->rays_indirect - (double)other->rays_indirect) <=
