@@ -144,8 +144,10 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_few(TRACE_PAR
                                                                        const uint block_count)
 {
     struct few few;
-    few_begin(&few, woop, refs, block_count);
     const uint count = counters[bounce].active;
+    if (get_global_id(0) * SHADE_RUN >= count)
+        return; // the launch is as large as the batch
+    few_begin(&few, woop, refs, block_count);
     SHADE_LANES_LOOP(i, count)
     {
         uint slots[LANES];

@@ -51,7 +51,8 @@ extern bool choice_always_fuses;
 
 /**
  * Finds the forms that fit a device and the settings, and takes the rule's for all rays. On CPUs
- * paths are to be one kernel, unless a form is forced or kernels are to be timed, each by itself.
+ * paths are to be one kernel, unless a traversal is forced or kernels are to be timed, each by
+ * itself.
  *
  * @param asked  The render's settings; what they force is kept.
  * @param rule   The same with what the rule takes (settings_choose_variants()).
@@ -69,8 +70,9 @@ void choice_recall(struct choice *choice, const struct gpu *gpu, const struct lk
                    const struct lk_settings *settings);
 
 /**
- * Lets bounces be one kernel, and settles on its form of tracing, where that pays: in small scenes
- * on GPUs, unless another form is forced or kernels are to be timed, each by itself.
+ * Lets bounces be one kernel, and settles on its form of tracing, where that pays: on GPUs in small
+ * scenes with textures from the pool and no far lights, unless another form is forced or kernels
+ * are to be timed, each by itself.
  *
  * @param rule  As above.
  * @return whether it does.

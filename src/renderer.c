@@ -17,7 +17,7 @@
 
 #define BATCH_SECONDS 0.15   // aim for one batch: no launch in it can last longer
 #define RUN_SECONDS   0.02   // of a run of batches,
-#define RUN_MAX       16.0   // and how many it has at most
+#define RUN_MAX       8.0    // and how many it has at most: they may turn out to be slow ones
 #define FIRST_PATHS   1024u  // paths of the first batch: it finds out how fast the device is,
 #define FIRST_RAYS    65536u // with at most so many shadow rays of a bounce
 #define PATHS_MIN     32u    // least batch, for hits that look at thousands of lights
@@ -203,14 +203,15 @@ static enum status settle(struct renderer *r, bool *stuck)
 // builds nothing, where that is not wanted or cannot be.
 static bool fuse(struct renderer *r)
 {
-    const struct choice *choice = &r->choice;
+    struct choice *choice = &r->choice;
     struct program_options options = scene_options(r, &choice->forms[choice->of[RAYS_CAMERA]]);
     if (!pipeline_can_fuse(choice->fusion, &r->scene, &options))
         return false;
     if (choice->fusion == FUSION_BOUNCES && program_takes_votes(&r->gpu))
         options.registers = FUSED_REGISTERS;
     if (pipeline_build_fused(&r->pipeline, &r->gpu, choice->fusion, &options) != STATUS_OK) {
-        log_message(LOG_WARNING, "%s", status_message());
+        log_message(LOG_WARNING, "%s; each stage has its own kernel", status_message());
+        choice->fusion = FUSION_NONE;
         return false;
     }
     if (choice->fusion == FUSION_PATHS) {

@@ -4,8 +4,8 @@
  * where there are few, CPUs are faster so than one ray at a time through nodes, whichever way the
  * rays run.
  *
- * The arithmetic is that of a leaf in lib/traverse_wide.h; of hits at one distance the first
- * reference counts.
+ * The arithmetic is that of a leaf in lib/traverse_wide.h; of hits at one distance the first in
+ * struct few counts.
  */
 #ifndef LIB_TRAVERSE_FEW_H
 #define LIB_TRAVERSE_FEW_H

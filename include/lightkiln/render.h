@@ -75,7 +75,7 @@ enum lk_rays {
 /** Why rays are traced as they are. */
 enum lk_reason {
     LK_REASON_FORCED, // the settings say so
-    LK_REASON_RULE,   // by the kind of the device
+    LK_REASON_RULE,   // by the kind of the device, and where a bounce is one kernel
     LK_REASON_PROBE,  // measured in this render
     LK_REASON_CACHE   // measured before, on this device in a scene as large as this
 };
