@@ -39,12 +39,12 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
         struct shadow_lanes_hits hits;
         if (!shadow_lanes_load(&hits, queue, i, count, rays, paths, shades))
             continue;
-        const struct lanes_place place = lanes_place(batch, places, vload8(0, hits.slots));
+        const struct lanes_place place = lanes_place(batch, places, lanes_load(hits.slots), bounce);
         struct lanes3 sum = {0.0f, 0.0f, 0.0f}; // over the shadow rays
         for (uint round = 0; round < round_count; round++) {
             // Choose lights.
             const struct lanes_numbers chosen =
-                direct_lanes_numbers(settings, points, place, bounce, round);
+                direct_lanes_numbers(settings, points, place, round);
             struct direct_lanes d;
             uint left = hits.lambert | hits.others; // that have a light left
             direct_lanes_begin(&d, settings, light_nodes, &hits.b, left, round, chosen.x);
@@ -55,20 +55,20 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
 
                 // Draw points on them, and weigh what comes from there.
                 const struct lanes_numbers numbers =
-                    direct_lanes_place_numbers(settings, points, place, bounce, round, chosen, &d);
-                const float8 u0 = lanes_unit(numbers.y);
-                const float8 u1 = lanes_unit(numbers.z);
+                    direct_lanes_place_numbers(settings, points, place, round, chosen, &d);
+                const lanes_float u0 = lanes_unit(numbers.y);
+                const lanes_float u1 = lanes_unit(numbers.z);
                 const struct direct_lanes_shadows drawn = direct_lanes_weigh(
                     &d, lights, shapes, &scene.surface, left & hits.lambert, &hits.b, u0, u1);
                 struct shadow_lanes shadows;
                 shadow_lanes_set(&shadows, drawn.dir, drawn.reach, drawn.value, drawn.needed);
                 uint open = lanes_bits(drawn.needed);
                 float s[LANES], t[LANES], expected[LANES];
-                vstore8(u0, 0, s);
-                vstore8(u1, 0, t);
-                vstore8(d.expected, 0, expected);
+                lanes_store(u0, s);
+                lanes_store(u1, t);
+                lanes_store(d.expected, expected);
                 for (uint rest = left & hits.others; rest != 0; rest &= rest - 1) {
-                    const uint k = lanes_lowest(rest);
+                    const uint k = bits_lowest(rest);
                     const uint slot = hits.slots[k];
                     const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
                     const struct shadow shadow =

@@ -80,20 +80,20 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
                                           const uint k, const uint *slots, const uint bits,
                                           const struct lambert_lanes *b)
 {
-    float8 weight = (float8)(1.0f);
+    lanes_float weight = (lanes_float)(1.0f);
     struct lanes3 dir, radiance;
-    float8 cosine;
+    lanes_float cosine;
 #if ENV_MAP
     if (k == settings->directional_count) {
-        const struct lanes_place place = lanes_place(batch, places, vload8(0, slots));
-        const struct lanes_numbers numbers = lanes_draw(settings, points, place.pixel, place.sample,
-                                                        bounce, RNG_USE_ENVIRONMENT, (uint8)(0u));
+        const struct lanes_place place = lanes_place(batch, places, lanes_load(slots), bounce);
+        const struct lanes_numbers numbers = lanes_draw(settings, points, place, place.sample,
+                                                        RNG_USE_ENVIRONMENT, (lanes_uint)(0u));
         uint n[4][LANES];
         float x[LANES], y[LANES], z[LANES], r[LANES], g[LANES], blue[LANES], density[LANES];
-        vstore8(numbers.x, 0, n[0]);
-        vstore8(numbers.y, 0, n[1]);
-        vstore8(numbers.z, 0, n[2]);
-        vstore8(numbers.w, 0, n[3]);
+        lanes_store(numbers.x, n[0]);
+        lanes_store(numbers.y, n[1]);
+        lanes_store(numbers.z, n[2]);
+        lanes_store(numbers.w, n[3]);
         for (uint lane = 0; lane < LANES; lane++) {
             const struct environment_sample sampled =
                 environment_draw(map, map_texels, map_alias,
@@ -106,26 +106,28 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
             blue[lane] = sampled.radiance.z;
             density[lane] = sampled.density;
         }
-        dir = lanes3_make(vload8(0, x), vload8(0, y), vload8(0, z));
-        radiance = lanes3_make(vload8(0, r), vload8(0, g), vload8(0, blue));
+        dir = lanes3_make(lanes_load(x), lanes_load(y), lanes_load(z));
+        radiance = lanes3_make(lanes_load(r), lanes_load(g), lanes_load(blue));
         cosine = lanes3_dot(b->normal, dir);
-        const float8 drawn = vload8(0, density);
-        weight = (b->alone ? (float8)(1.0f) : lanes_mis_weight(drawn, cosine * INV_PI)) / drawn;
-        weight = drawn > 0.0f ? weight : (float8)(0.0f);
+        const lanes_float drawn = lanes_load(density);
+        weight =
+            (b->alone ? (lanes_float)(1.0f) : lanes_mis_weight(drawn, cosine * INV_PI)) / drawn;
+        weight = drawn > 0.0f ? weight : (lanes_float)(0.0f);
     } else
 #endif
     {
         const float4 away = -lights[k].dir;
         const float4 color = lights[k].color;
-        dir = lanes3_make((float8)(away.x), (float8)(away.y), (float8)(away.z));
-        radiance = lanes3_make((float8)(color.x), (float8)(color.y), (float8)(color.z));
+        dir = lanes3_make((lanes_float)(away.x), (lanes_float)(away.y), (lanes_float)(away.z));
+        radiance =
+            lanes3_make((lanes_float)(color.x), (lanes_float)(color.y), (lanes_float)(color.z));
         cosine = lanes3_dot(b->normal, dir);
     }
     const struct lanes3 value =
         lanes3_mul(lanes3_scale(b->diffuse, cosine * INV_PI * weight), radiance);
-    const int8 needed = (cosine > 0.0f) & (lanes3_dot(b->geometric, dir) > 0.0f) &
-                        (lanes3_max(value) > 0.0f) & lanes_mask(bits);
-    shadow_lanes_set(out, dir, (float8)(FLT_MAX), value, needed);
+    const lanes_int needed = (cosine > 0.0f) & (lanes3_dot(b->geometric, dir) > 0.0f) &
+                             (lanes3_max(value) > 0.0f) & lanes_mask(bits);
+    shadow_lanes_set(out, dir, (lanes_float)(FLT_MAX), value, needed);
     return lanes_bits(needed);
 }
 
@@ -154,11 +156,11 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
             uint open = directional_draw_lanes(DIRECTIONAL_ARGUMENTS, &shadows, k, hits.slots,
                                                hits.lambert, &hits.b);
             for (uint rest = hits.others; rest != 0; rest &= rest - 1) {
-                const uint slot = hits.slots[lanes_lowest(rest)];
+                const uint slot = hits.slots[bits_lowest(rest)];
                 const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
                 const struct shadow shadow = directional_draw(DIRECTIONAL_ARGUMENTS, k, slot, &b,
                                                               path_is_alone(&paths[slot]));
-                open |= shadow_lanes_set_one(&shadows, lanes_lowest(rest), &shadow);
+                open |= shadow_lanes_set_one(&shadows, bits_lowest(rest), &shadow);
             }
             traced += popcount(open);
             sum = lanes3_add(sum,

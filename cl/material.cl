@@ -160,7 +160,7 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #endif
         {
 #if MATERIAL_LANES
-            const uint slot = eight->slots[lanes_lowest(rest)];
+            const uint slot = eight->slots[bits_lowest(rest)];
 #else
         const uint slot = order[i];
 #endif

@@ -8,6 +8,9 @@
 
 #include "lib/raygen_slot.h"
 #include "lib/shade_lanes.h"
+#if SHADE_LANES
+#include "lib/raygen_lanes.h"
+#endif
 
 #ifndef WG_RAYGEN
 #define WG_RAYGEN (SHADE_LANES ? 1 : 64) // work items in a group
@@ -38,43 +41,14 @@ static inline void raygen_lanes(__constant struct settings *settings,
                                 __global const uint *restrict places)
 {
     uint slots[LANES];
-    const uint8 slot = first + (uint8)(0, 1, 2, 3, 4, 5, 6, 7);
-    const uint own = first + LANES <= batch.count ? 0xffu : (1u << (batch.count - first)) - 1u;
-    vstore8(slot, 0, slots);
-
-    // Pick points inside the pixels: box filter, one pixel wide.
-    const struct lanes_place place = lanes_place(batch, places, slot);
-    uint pixel[LANES];
-    vstore8(place.pixel, 0, pixel);
-    float8 columns, rows;
-    for (uint k = 0; k < LANES; k++) {
-        if (k != 0 && pixel[k] == pixel[k - 1])
-            continue; // samples of a pixel are side by side
-        const uint2 at = zorder_place(pixel[k], camera->width, camera->height);
-        const int8 from_here = (int8)(0, 1, 2, 3, 4, 5, 6, 7) >= (int8)(int)k;
-        columns = from_here ? (float8)((float)at.x) : columns;
-        rows = from_here ? (float8)((float)at.y) : rows;
-    }
-    const struct lanes_numbers numbers =
-        lanes_draw(settings, points, place.pixel, place.sample, 0, RNG_USE_CAMERA, (uint8)(0u));
-    const float8 x = columns + lanes_unit(numbers.y);
-    const float8 y = rows + lanes_unit(numbers.z);
-
-    // Aim from the eye through them, or along the view from them.
-    const struct lanes3 point = {camera->corner.x + x * camera->right.x + y * camera->down.x,
-                                 camera->corner.y + x * camera->right.y + y * camera->down.y,
-                                 camera->corner.z + x * camera->right.z + y * camera->down.z};
-    const float4 eye = camera->org;
-    const float4 forward = camera->forward;
-    struct lanes3 org = {eye.x, eye.y, eye.z};
-    struct lanes3 dir = {forward.x, forward.y, forward.z};
-    if (camera->orthographic != 0)
-        org = lanes3_add(org, point);
-    else
-        dir = lanes3_normalize(point);
-    const float8 zero = (float8)(0.0f);
+    const lanes_uint slot = first + lanes_as_uint(LANES_ORDER);
+    const uint own = first + LANES <= batch.count ? LANES_ALL : (1u << (batch.count - first)) - 1u;
+    lanes_store(slot, slots);
+    struct lanes3 org, dir;
+    raygen_lanes_rays(&org, &dir, settings, camera, lanes_place(batch, places, slot, 0), points);
+    const lanes_float zero = (lanes_float)(0.0f);
     LANES_STORE(rays, slots, .org, own, lanes4_make(org, zero));
-    LANES_STORE(rays, slots, .dir, own, lanes4_make(dir, (float8)(FLT_MAX)));
+    LANES_STORE(rays, slots, .dir, own, lanes4_make(dir, (lanes_float)(FLT_MAX)));
 
     // Start the paths.
     for (uint k = 0; k < LANES; k++) {

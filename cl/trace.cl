@@ -20,6 +20,7 @@
 #define WG_TRACE 32
 #endif
 
+#include "lib/lanes_most.h"
 #include "lib/queue.h"
 #include "lib/trace_slot.h"
 #include "lib/trace_refill.h"
@@ -105,8 +106,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_packets(
     int octant[RAY_PACKET];
     uint tinted = 0; // rays that have gone through something coloured
     vstore16(octants, 0, octant);
-    for (uint rest = 0xffffu; rest != 0; rest &= ~lanes_bits16(packet.active)) {
-        const uint k = lanes_lowest(rest);
+    for (uint rest = 0xffffu; rest != 0; rest &= ~bits16(packet.active)) {
+        const uint k = bits_lowest(rest);
         packet.active = octants == octant[k];
         traverse_packet(&tinted, &packet, nodes, &scene,
                         (float3)(rows[4][k], rows[5][k], rows[6][k]));
@@ -155,11 +156,11 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_few(TRACE_PAR
         const struct lanes4 org = LANES_OF(rays, slots, .org);
         const struct lanes4 dir = LANES_OF(rays, slots, .dir);
 #if RAY_SPANS
-        const float8 tmin = org.w;
+        const lanes_float tmin = org.w;
         struct few_hits found = few_hits_begin(dir.w);
 #else
-        const float8 tmin = (float8)(0.0f);
-        struct few_hits found = few_hits_begin((float8)(FLT_MAX));
+        const lanes_float tmin = (lanes_float)(0.0f);
+        struct few_hits found = few_hits_begin((lanes_float)(FLT_MAX));
 #endif
         traverse_few(&found, &few, lanes3_xyz(org), lanes3_xyz(dir), tmin, false);
         LANES_STORE(((__global float4 *)hits), slots, , used, few_name(&found, &few));

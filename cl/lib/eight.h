@@ -11,6 +11,10 @@
 #define WIDE_PORTABLE 0 // 1: without x86's instructions for masks, as on other CPUs
 #endif
 
+// What is to be where it is called: LLVM leaves long functions apart that are called more than
+// once, and then vectors go through memory, and constants that parameters are become variables.
+#define INLINED static inline __attribute__((always_inline))
+
 // Plain comparisons: fmin and fmax would carry NaNs.
 static inline float8 min8(const float8 a, const float8 b)
 {
@@ -33,7 +37,7 @@ static inline float16 max16(const float16 a, const float16 b)
 }
 
 // Bit k is set where lane k is true.
-static inline uint lanes_bits(const int8 lanes)
+static inline uint bits8(const int8 lanes)
 {
 #if !WIDE_PORTABLE && defined(__AVX__)
     return (uint)__builtin_ia32_movmskps256(as_float8(lanes));
@@ -46,17 +50,17 @@ static inline uint lanes_bits(const int8 lanes)
 }
 
 // Bit k is set where lane k is true.
-static inline uint lanes_bits16(const int16 lanes)
+static inline uint bits16(const int16 lanes)
 {
 #if !WIDE_PORTABLE && defined(__AVX512DQ__)
     return (uint)(ushort)__builtin_ia32_cvtd2mask512(lanes);
 #else
-    return lanes_bits(lanes.lo) | lanes_bits(lanes.hi) << 8;
+    return bits8(lanes.lo) | bits8(lanes.hi) << 8;
 #endif
 }
 
 // The lowest bit that is set; some is.
-static inline uint lanes_lowest(const uint bits)
+static inline uint bits_lowest(const uint bits)
 {
 #if !WIDE_PORTABLE && defined(__clang__)
     return (uint)__builtin_ctz(bits);
@@ -65,14 +69,50 @@ static inline uint lanes_lowest(const uint bits)
 #endif
 }
 
-// The same eight numbers, put together before anything is made of them. LLVM 15 makes of shuffles
-// of shuffles of loads twice as many loads and half as many shuffles again.
-static inline float8 lanes_whole(float8 lanes)
+// The same numbers, put together before anything is made of them. LLVM 15 makes of shuffles of
+// shuffles of loads twice as many loads and half as many shuffles again.
+static inline float8 whole8(float8 lanes)
 {
 #if !WIDE_PORTABLE && defined(__AVX__) && defined(__clang__)
     __asm__("" : "+x"(lanes));
 #endif
     return lanes;
 }
+
+static inline float16 whole16(float16 lanes)
+{
+#if !WIDE_PORTABLE && defined(__AVX512F__) && defined(__clang__)
+    __asm__("" : "+v"(lanes));
+#endif
+    return lanes;
+}
+
+// 1 / sqrt(x), to two ulps: 14 bits by the instruction for it and one step of Newton's. Of 0 it may
+// be no number.
+#if !WIDE_PORTABLE && defined(__AVX512VL__) && defined(__clang__)
+#define RSQRT_STEP(x, y) ((y) * (1.5f - 0.5f * (x) * (y) * (y)))
+
+static inline float8 rsqrt8(const float8 x)
+{
+    const float8 y = __builtin_ia32_rsqrt14ps256_mask(x, x, (uchar)0xff);
+    return RSQRT_STEP(x, y);
+}
+
+static inline float16 rsqrt16(const float16 x)
+{
+    const float16 y = __builtin_ia32_rsqrt14ps512_mask(x, x, (ushort)0xffff);
+    return RSQRT_STEP(x, y);
+}
+#else
+static inline float8 rsqrt8(const float8 x)
+{
+    return 1.0f / sqrt(x);
+}
+
+static inline float16 rsqrt16(const float16 x)
+{
+    return 1.0f / sqrt(x);
+}
+#endif
 
 #endif

@@ -8,6 +8,7 @@
 #define LIB_MATERIAL_LANES_H
 
 #include "lib/bsdf.h"
+#include "lib/hit_lanes.h"
 #include "lib/light_sampler.h"
 #include "lib/material_bsdf.h"
 #include "lib/shade_lanes.h"
@@ -16,7 +17,7 @@
 
 #if SHADE_LANES
 
-// Where eight rays have met what. Lanes that hit nothing take part as if they had hit the first
+// Where rays have met what. Lanes that hit nothing take part as if they had hit the first
 // triangle.
 struct material_lanes_hits {
     uint slots[LANES];
@@ -26,8 +27,8 @@ struct material_lanes_hits {
     uint triangle[LANES];
     uint material[LANES];
     uint v0[LANES], v1[LANES], v2[LANES];
-    float8 t, u, v;
-    uint8 flags;               // of the materials
+    lanes_float t, u, v;
+    lanes_uint flags;          // of the materials
     uint textured;             // bits of slots shaded here that have a texture of the base colour
     struct texture_lanes base; // where its texels are
 };
@@ -45,8 +46,8 @@ struct material_lanes_bsdf {
 static inline float4 material_lanes_uv(const struct surface *s, const struct material_lanes_hits *h,
                                        const uint k)
 {
-    const float8 u = h->u;
-    const float8 v = h->v;
+    const lanes_float u = h->u;
+    const lanes_float v = h->v;
     return surface_blend(s->vertices[h->v0[k]].uv, s->vertices[h->v1[k]].uv,
                          s->vertices[h->v2[k]].uv, ((const float *)&u)[k], ((const float *)&v)[k]);
 }
@@ -58,7 +59,7 @@ static inline struct lanes4 material_lanes_all_uv(const struct surface *s,
     const struct lanes4 a = LANES_OF(s->vertices, h->v0, .uv);
     const struct lanes4 b = LANES_OF(s->vertices, h->v1, .uv);
     const struct lanes4 c = LANES_OF(s->vertices, h->v2, .uv);
-    const float8 w = 1.0f - h->u - h->v;
+    const lanes_float w = 1.0f - h->u - h->v;
     const struct lanes4 out = {w * a.x + h->u * b.x + h->v * c.x, w * a.y + h->u * b.y + h->v * c.y,
                                w * a.z + h->u * b.z + h->v * c.z,
                                w * a.w + h->u * b.w + h->v * c.w};
@@ -71,29 +72,30 @@ static inline uint material_lanes_textured(const struct surface *s,
 {
     if (!TEXTURE_IS_USED(use))
         return 0;
-    const uint8 flags = LANES_WORD(uint8, s->materials, h->material, .textures[use].flags);
+    const lanes_uint flags =
+        LANES_WORD(lanes_uint, s->materials, h->material, .textures[use].flags);
     return lanes_bits((flags & TEXTURE_PRESENT) != 0u);
 }
 
-// Sees what eight rays have hit, and asks for its texels.
+// Sees what rays have hit, and asks for its texels.
 //
 //   used  bits of the slots, already in h, that there are
 //   hit   t, u, v, and the triangle, as in struct hit
 static inline void material_lanes_see(struct material_lanes_hits *h, const uint used,
                                       const struct lanes4 hit, const struct surface *s)
 {
-    const uint8 triangle = as_uint8(hit.w);
+    const lanes_uint triangle = lanes_as_uint(hit.w);
     const uint met = used & lanes_bits(triangle != HIT_NONE);
-    vstore8(triangle != HIT_NONE ? triangle : (uint8)(0u), 0, h->triangle);
+    lanes_store(triangle != HIT_NONE ? triangle : (lanes_uint)(0u), h->triangle);
     const struct lanes4 tri = LANES_OF(((__global const float4 *)s->triangles), h->triangle, );
-    vstore8(as_uint8(tri.x), 0, h->v0);
-    vstore8(as_uint8(tri.y), 0, h->v1);
-    vstore8(as_uint8(tri.z), 0, h->v2);
-    vstore8(as_uint8(tri.w), 0, h->material);
+    lanes_store(lanes_as_uint(tri.x), h->v0);
+    lanes_store(lanes_as_uint(tri.y), h->v1);
+    lanes_store(lanes_as_uint(tri.z), h->v2);
+    lanes_store(lanes_as_uint(tri.w), h->material);
     h->t = hit.x;
     h->u = hit.y;
     h->v = hit.z;
-    h->flags = LANES_WORD(uint8, s->materials, h->material, .flags);
+    h->flags = LANES_WORD(lanes_uint, s->materials, h->material, .flags);
     h->missed = used & ~met;
     h->own = met & lanes_bits((h->flags & MATERIAL_EXTRAS) == 0u);
     h->others = met & ~h->own;
@@ -176,9 +178,9 @@ struct material_lanes_shaded {
     struct lanes3 org;               // where rays leave the surfaces
     struct lanes3 geometric, normal; // viewer's side
     struct lanes3 diffuse, f0;
-    float8 f90, dielectric_f0;
+    lanes_float f90, dielectric_f0;
     struct lanes3 throughput, radiance; // of their paths
-    uint8 bits;                         // of path.throughput_bits.w
+    lanes_uint bits;                    // of path.throughput_bits.w
 };
 
 // Shades those of the eight that are shaded here.
@@ -195,7 +197,7 @@ static inline void material_lanes_shade(
 {
     const uint *slots = h->slots;
     const uint own = h->own;
-    const uint8 flags = h->flags;
+    const lanes_uint flags = h->flags;
     const bool measures = settings->quantity == QUANTITY_IRRADIANCE && bounce == 0;
     const bool last = bounce + 1 == settings->depth;
 
@@ -209,69 +211,49 @@ static inline void material_lanes_shade(
     const struct lanes3 p = lanes3_muladd(edge1, h->u, lanes3_muladd(edge2, h->v, corner));
     const struct lanes3 dir = lanes3_xyz(ray_dir);
     struct lanes3 geometric = lanes3_normalize(lanes3_cross(edge1, edge2));
-    const float8 cosine = lanes3_dot(geometric, dir);
-    const int8 front = cosine < 0.0f;
+    const lanes_float cosine = lanes3_dot(geometric, dir);
+    const lanes_int front = cosine < 0.0f;
 
     // Add what the surfaces emit towards the paths.
-    const uint8 path_bits = as_uint8(throughput_bits.w);
+    const lanes_uint path_bits = lanes_as_uint(throughput_bits.w);
     struct lanes3 throughput = lanes3_xyz(throughput_bits);
     struct lanes3 radiance = lanes3_xyz(radiance_normal);
     const struct lanes4 emission_row = LANES_OF(s->materials, h->material, .emission);
     struct lanes3 emission = lanes3_xyz(emission_row);
-    const int8 shines =
+    const lanes_int shines =
         (front | ((flags & MATERIAL_EMITS_BACK) != 0u)) & (lanes3_max(emission) > 0.0f);
     const uint shining = measures ? 0u : own & lanes_bits(shines);
     if (shining != 0) {
         emission = material_lanes_emission(
             s, h, shining & material_lanes_textured(s, h, TEXTURE_EMISSIVE), emission);
-        const struct lanes3 before = lanes_oct_unpack(as_uint8(radiance_normal.w));
         const uint met_by_light =
             shining & lanes_bits((path_bits & PATH_SPECULAR) == 0u); // may be found by lights
-        float cosines[LANES], normal[3][LANES], t[LANES], densities[LANES];
-        float8 weight = (float8)(1.0f);
-        vstore8(fabs(cosine), 0, cosines);
-        vstore8(before.x, 0, normal[0]);
-        vstore8(before.y, 0, normal[1]);
-        vstore8(before.z, 0, normal[2]);
-        vstore8(h->t, 0, t);
-        vstore8(ray_dir.w, 0, densities);
-        for (uint rest = met_by_light; rest != 0; rest &= rest - 1) {
-            const uint k = lanes_lowest(rest);
-            const uint emitter = triangle_emitters[h->triangle[k]];
-            if (emitter == EMITTER_NONE)
-                continue;
-            const float3 org = rays[slots[k]].org.xyz;
-            const float density = light_hit_density(lights, shapes, emitter, org, t[k], cosines[k]);
-            const float count =
-                light_expected_count(settings, light_nodes, light_parents, light_leaves, org,
-                                     (float3)(normal[0][k], normal[1][k], normal[2][k]), emitter);
-            weight = lanes_put(weight, k, mis_weight(densities[k], count * density));
-        }
-        const float8 counts = shines ? weight : (float8)(0.0f);
+        const struct lanes4 org = LANES_OF(rays, slots, .org);
+        const lanes_float weight = hit_lanes_weights(
+            settings, triangle_emitters, lights, shapes, light_nodes, light_parents, light_leaves,
+            h->triangle, met_by_light, lanes3_xyz(org),
+            lanes_oct_unpack(lanes_as_uint(radiance_normal.w)), ray_dir.w, h->t, cosine);
+        const lanes_float counts = shines ? weight : (lanes_float)(0.0f);
         radiance = lanes3_add(radiance, lanes3_mul(lanes3_scale(throughput, counts), emission));
     }
 
     // Turn the normals to the viewer; a shading normal that looks away is of no use.
-    const struct lanes3 blended =
-        lanes3_muladd(lanes_oct_unpack(as_uint8(row0.w)), 1.0f - h->u - h->v,
-                      lanes3_muladd(lanes_oct_unpack(as_uint8(row1.w)), h->u,
-                                    lanes3_scale(lanes_oct_unpack(as_uint8(row2.w)), h->v)));
+    const lanes_float side = front ? (lanes_float)(1.0f) : (lanes_float)(-1.0f);
     struct lanes3 normal =
-        lanes3_select(lanes3_dot(blended, blended) > 0.0f, lanes3_normalize(blended), geometric);
-    const float8 turned = lanes3_dot(normal, geometric) < 0.0f ? (float8)(-1.0f) : (float8)(1.0f);
-    const float8 side = front ? (float8)(1.0f) : (float8)(-1.0f);
+        lanes3_scale(hit_lanes_normal(lanes_as_uint(row0.w), lanes_as_uint(row1.w),
+                                      lanes_as_uint(row2.w), h->u, h->v, geometric),
+                     side);
     geometric = lanes3_scale(geometric, side);
-    normal = lanes3_scale(normal, turned * side);
     normal = lanes3_select(lanes3_dot(normal, dir) < -1e-4f, normal, geometric);
 
     // Find their BSDFs.
     const struct lanes4 base = LANES_OF(s->materials, h->material, .base);
-    const uint lambert = measures ? 0xffu : lanes_bits((flags & MATERIAL_LAMBERT) != 0u);
+    const uint lambert = measures ? LANES_ALL : lanes_bits((flags & MATERIAL_LAMBERT) != 0u);
     struct lanes3 diffuse = lanes3_xyz(base);
     struct lanes3 f0 = {0.0f, 0.0f, 0.0f};
-    float8 f90 = (float8)(0.0f);
-    float8 dielectric_f0 = (float8)(0.0f);
-    uint8 bits = (uint8)(PATH_SHADED | (last ? PATH_NO_BOUNCE : 0u));
+    lanes_float f90 = (lanes_float)(0.0f);
+    lanes_float dielectric_f0 = (lanes_float)(0.0f);
+    lanes_uint bits = (lanes_uint)(PATH_SHADED | (last ? PATH_NO_BOUNCE : 0u));
     if (measures) { // f = 1 / pi, so that pi times what leaves is the irradiance
         diffuse = lanes3_make(1.0f, 1.0f, 1.0f);
         throughput = lanes3_scale(throughput, PI);
@@ -281,41 +263,41 @@ static inline void material_lanes_shade(
     if (own & ~lambert) {
         struct material_lanes_bsdf b;
         float g[3][LANES], d[3][LANES];
-        vstore8(diffuse.x, 0, b.diffuse_r);
-        vstore8(diffuse.y, 0, b.diffuse_g);
-        vstore8(diffuse.z, 0, b.diffuse_b);
-        vstore8(f0.x, 0, b.f0_r);
-        vstore8(f0.y, 0, b.f0_g);
-        vstore8(f0.z, 0, b.f0_b);
-        vstore8(f90, 0, b.f90);
-        vstore8(dielectric_f0, 0, b.dielectric_f0);
-        vstore8(normal.x, 0, b.normal_x);
-        vstore8(normal.y, 0, b.normal_y);
-        vstore8(normal.z, 0, b.normal_z);
-        vstore8(bits, 0, b.bits);
-        vstore8(geometric.x, 0, g[0]);
-        vstore8(geometric.y, 0, g[1]);
-        vstore8(geometric.z, 0, g[2]);
-        vstore8(dir.x, 0, d[0]);
-        vstore8(dir.y, 0, d[1]);
-        vstore8(dir.z, 0, d[2]);
+        lanes_store(diffuse.x, b.diffuse_r);
+        lanes_store(diffuse.y, b.diffuse_g);
+        lanes_store(diffuse.z, b.diffuse_b);
+        lanes_store(f0.x, b.f0_r);
+        lanes_store(f0.y, b.f0_g);
+        lanes_store(f0.z, b.f0_b);
+        lanes_store(f90, b.f90);
+        lanes_store(dielectric_f0, b.dielectric_f0);
+        lanes_store(normal.x, b.normal_x);
+        lanes_store(normal.y, b.normal_y);
+        lanes_store(normal.z, b.normal_z);
+        lanes_store(bits, b.bits);
+        lanes_store(geometric.x, g[0]);
+        lanes_store(geometric.y, g[1]);
+        lanes_store(geometric.z, g[2]);
+        lanes_store(dir.x, d[0]);
+        lanes_store(dir.y, d[1]);
+        lanes_store(dir.z, d[2]);
         for (uint rest = own & ~lambert; rest != 0; rest &= rest - 1) {
-            const uint k = lanes_lowest(rest);
+            const uint k = bits_lowest(rest);
             material_lanes_look_up(&b, settings, last, s, h, k, (float3)(g[0][k], g[1][k], g[2][k]),
                                    -(float3)(d[0][k], d[1][k], d[2][k]));
         }
         diffuse =
-            lanes3_make(vload8(0, b.diffuse_r), vload8(0, b.diffuse_g), vload8(0, b.diffuse_b));
-        f0 = lanes3_make(vload8(0, b.f0_r), vload8(0, b.f0_g), vload8(0, b.f0_b));
-        f90 = vload8(0, b.f90);
-        dielectric_f0 = vload8(0, b.dielectric_f0);
-        normal = lanes3_make(vload8(0, b.normal_x), vload8(0, b.normal_y), vload8(0, b.normal_z));
-        bits = vload8(0, b.bits);
+            lanes3_make(lanes_load(b.diffuse_r), lanes_load(b.diffuse_g), lanes_load(b.diffuse_b));
+        f0 = lanes3_make(lanes_load(b.f0_r), lanes_load(b.f0_g), lanes_load(b.f0_b));
+        f90 = lanes_load(b.f90);
+        dielectric_f0 = lanes_load(b.dielectric_f0);
+        normal =
+            lanes3_make(lanes_load(b.normal_x), lanes_load(b.normal_y), lanes_load(b.normal_z));
+        bits = lanes_load(b.bits);
     }
 
     // Those of paths that only collect emission are not lit.
-    const float8 largest = max8(max8(fabs(p.x), fabs(p.y)), fabs(p.z));
-    out->org = lanes3_muladd(geometric, largest * SURFACE_OFFSET + SURFACE_OFFSET_LEAST, p);
+    out->org = hit_lanes_offset(p, geometric);
     out->geometric = geometric;
     out->normal = normal;
     out->diffuse = diffuse;
@@ -324,7 +306,7 @@ static inline void material_lanes_shade(
     out->dielectric_f0 = dielectric_f0;
     out->throughput = throughput;
     out->radiance = radiance;
-    out->bits = (path_bits & PATH_COLLECT) != 0u ? (uint8)(0u) : bits;
+    out->bits = (path_bits & PATH_COLLECT) != 0u ? (lanes_uint)(0u) : bits;
 }
 
 // Shades those of the eight that are shaded here and writes them, and ends the paths of those that
@@ -340,7 +322,7 @@ static inline void material_lanes(__constant struct settings *settings, const ui
                                   __global struct path *paths, __global struct shade *shades)
 {
     for (uint missed = h->missed; missed != 0; missed &= missed - 1)
-        paths[h->slots[lanes_lowest(missed)]].throughput_bits.w = as_float(0u);
+        paths[h->slots[bits_lowest(missed)]].throughput_bits.w = as_float(0u);
     if (h->own == 0)
         return;
     const uint *slots = h->slots;
@@ -350,10 +332,12 @@ static inline void material_lanes(__constant struct settings *settings, const ui
                          light_parents, light_leaves, rays, LANES_OF(rays, slots, .dir),
                          LANES_OF(paths, slots, .throughput_bits),
                          LANES_OF(paths, slots, .radiance_normal));
-    LANES_STORE(rays, slots, .org, own, lanes4_make(m.org, as_float8(lanes_oct_pack(m.geometric))));
-    LANES_STORE(paths, slots, .throughput_bits, own, lanes4_make(m.throughput, as_float8(m.bits)));
+    LANES_STORE(rays, slots, .org, own,
+                lanes4_make(m.org, lanes_as_float(lanes_oct_pack(m.geometric))));
+    LANES_STORE(paths, slots, .throughput_bits, own,
+                lanes4_make(m.throughput, lanes_as_float(m.bits)));
     LANES_STORE(paths, slots, .radiance_normal, own,
-                lanes4_make(m.radiance, as_float8(lanes_oct_pack(m.normal))));
+                lanes4_make(m.radiance, lanes_as_float(lanes_oct_pack(m.normal))));
     struct lanes4 shade;
     shade.x = lanes_pack_shares(m.diffuse.x, m.diffuse.y);
     shade.y = lanes_pack_shares(m.diffuse.z, m.dielectric_f0);

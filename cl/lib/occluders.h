@@ -117,8 +117,8 @@ static inline uint occluders_test(const struct occluders *kept, const float3 org
         MULADD(OCCLUDERS_ROW(14), x,
                MULADD(OCCLUDERS_ROW(15), y, MULADD(OCCLUDERS_ROW(16), z, OCCLUDERS_ROW(17))));
 #undef OCCLUDERS_ROW
-    return lanes_bits16((enter <= leave) & (t > tmin) & (t < tmax) & (u >= 0.0f) & (v >= 0.0f) &
-                        (u + v <= 1.0f));
+    return bits16((enter <= leave) & (t > tmin) & (t < tmax) & (u >= 0.0f) & (v >= 0.0f) &
+                  (u + v <= 1.0f));
 }
 
 // Whether one of the triangles kept stops the ray. If none does, a traversal may.

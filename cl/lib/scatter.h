@@ -68,6 +68,46 @@ static inline bool scatter_slot(__constant struct settings *settings, const stru
 
 #if SHADE_LANES
 
+// How paths go on, side by side.
+struct scatter_lanes {
+    struct lanes3 dir, throughput;
+    lanes_float density; // of the direction, 1/sr
+    lanes_int goes;      // whether they do
+};
+
+static inline struct lanes_numbers scatter_lanes_numbers(__constant struct settings *settings,
+                                                         const struct lanes_place place,
+                                                         __global const uint4 *restrict points)
+{
+    return lanes_draw(settings, points, place, place.sample, RNG_USE_BSDF, (lanes_uint)(0u));
+}
+
+// As scatter_slot(), for paths that are Lambert.
+static inline struct scatter_lanes scatter_lanes_sample(__constant struct settings *settings,
+                                                        const struct lanes_place place,
+                                                        const struct lanes_numbers numbers,
+                                                        const struct lambert_lanes *b)
+{
+    struct scatter_lanes out;
+    out.dir = lanes_sample_cosine(b->normal, lanes_unit(numbers.y), lanes_unit(numbers.z));
+    const lanes_float cosine = lanes3_dot(out.dir, b->normal);
+    const lanes_int above = (cosine > 0.0f) & (lanes3_dot(out.dir, b->geometric) > 0.0f);
+    out.density = cosine * INV_PI;
+    out.throughput = lanes3_mul(b->throughput, b->diffuse);
+    const lanes_float most = lanes3_max(out.throughput);
+
+    // Russian roulette as there.
+    lanes_float survival = (lanes_float)(1.0f);
+    const lanes_int plays = place.bounce >= settings->roulette_depth;
+    if (lanes_bits(plays) != 0) {
+        survival = settings->quantity == QUANTITY_IRRADIANCE ? most * INV_PI : most;
+        survival = plays ? lanes_min(survival, (lanes_float)(1.0f)) : (lanes_float)(1.0f);
+        out.throughput = lanes3_scale(out.throughput, 1.0f / survival);
+    }
+    out.goes = above & (most > 0.0f) & (lanes_unit(numbers.w) < survival);
+    return out;
+}
+
 // As scatter_slot(), for those of eight slots that have a bit: all are Lambert, and may go on.
 // Returns bits of those that do.
 static inline uint scatter_lanes(__constant struct settings *settings, const uint bounce,
@@ -76,27 +116,13 @@ static inline uint scatter_lanes(__constant struct settings *settings, const uin
                                  __global struct path *restrict paths,
                                  __global const uint4 *restrict points)
 {
-    const struct lanes_numbers numbers =
-        lanes_draw(settings, points, place.pixel, place.sample, bounce, RNG_USE_BSDF, (uint8)(0u));
-    const struct lanes3 dir =
-        lanes_sample_cosine(b->normal, lanes_unit(numbers.y), lanes_unit(numbers.z));
-    const float8 cosine = lanes3_dot(dir, b->normal);
-    const int8 above = (cosine > 0.0f) & (lanes3_dot(dir, b->geometric) > 0.0f);
-    struct lanes3 throughput = lanes3_mul(b->throughput, b->diffuse);
-    const float8 most = lanes3_max(throughput);
-
-    // Russian roulette as there.
-    float8 survival = (float8)(1.0f);
-    if (bounce >= settings->roulette_depth) {
-        survival = settings->quantity == QUANTITY_IRRADIANCE ? most * INV_PI : most;
-        survival = min8(survival, (float8)(1.0f));
-        throughput = lanes3_scale(throughput, 1.0f / survival);
-    }
-    const int8 goes = above & (most > 0.0f) & (lanes_unit(numbers.w) < survival);
-    const float8 next_bits = as_float8(goes & (int8)(int)scatter_flags(settings, bounce));
-    LANES_STORE(paths, slots, .throughput_bits, bits, lanes4_make(throughput, next_bits));
-    const uint going = bits & lanes_bits(goes);
-    LANES_STORE(rays, slots, .dir, going, lanes4_make(dir, cosine * INV_PI));
+    const struct lanes_numbers numbers = scatter_lanes_numbers(settings, place, points);
+    const struct scatter_lanes next = scatter_lanes_sample(settings, place, numbers, b);
+    const lanes_float next_bits =
+        lanes_as_float(next.goes & (lanes_int)(int)scatter_flags(settings, bounce));
+    LANES_STORE(paths, slots, .throughput_bits, bits, lanes4_make(next.throughput, next_bits));
+    const uint going = bits & lanes_bits(next.goes);
+    LANES_STORE(rays, slots, .dir, going, lanes4_make(next.dir, next.density));
     return going;
 }
 
@@ -130,15 +156,16 @@ static inline void scatter_eight(
     const uint alone = lambert & lanes_bits(b->alone); // these end here
     uint going = 0;
     if (lambert != alone)
-        going = scatter_lanes(settings, bounce, lanes_place(batch, places, vload8(0, slots)), slots,
-                              lambert & ~alone, b, rays, paths, points);
+        going =
+            scatter_lanes(settings, bounce, lanes_place(batch, places, lanes_load(slots), bounce),
+                          slots, lambert & ~alone, b, rays, paths, points);
     for (uint rest = others | alone; rest != 0; rest &= rest - 1) {
-        const uint k = lanes_lowest(rest);
+        const uint k = bits_lowest(rest);
         if (scatter_slot(settings, batch, bounce, slots[k], shades, rays, paths, points, places))
             going |= 1u << k;
     }
     for (; going != 0; going &= going - 1)
-        run->slots[run->count++] = slots[lanes_lowest(going)];
+        run->slots[run->count++] = slots[bits_lowest(going)];
     if (run->count + LANES > SHADE_RUN)
         scatter_run_end(run, counters, bounce, queue_out);
 }

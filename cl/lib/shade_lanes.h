@@ -34,7 +34,7 @@ struct lambert_lanes {
     struct lanes3 normal, geometric;
     struct lanes3 diffuse;
     struct lanes3 throughput;
-    int8 alone; // PATH_NO_BOUNCE
+    lanes_int alone; // PATH_NO_BOUNCE
 };
 
 // Reads the eight slots from place `first` of the queue on. Past its end the last one stands in.
@@ -43,8 +43,8 @@ static inline uint shade_lanes_slots(uint *slots, __global const uint *queue, co
                                      const uint count)
 {
     if (first + LANES <= count) {
-        vstore8(vload8(0, queue + first), 0, slots);
-        return 0xffu;
+        lanes_store(lanes_load(queue + first), slots);
+        return LANES_ALL;
     }
     for (uint k = 0; k < LANES; k++)
         slots[k] = queue[min(first + k, count - 1)];
@@ -58,10 +58,10 @@ static inline uint lambert_lanes_are(const uint *slots, const uint mask, const u
                                      __global const struct shade *shades)
 {
     const uint all = mask | PATH_MIRROR | PATH_SHEEN | (0xffu << PATH_F90_SHIFT);
-    const float8 bits = LANES_WORD(float8, paths, slots, .throughput_bits.w);
-    const uint8 specular = LANES_WORD(uint8, shades, slots, .specular_f90.x) |
-                           LANES_WORD(uint8, shades, slots, .specular_f90.y);
-    return lanes_bits((((as_uint8(bits) & all) ^ flags) | specular) == 0u);
+    const lanes_float bits = LANES_WORD(lanes_float, paths, slots, .throughput_bits.w);
+    const lanes_uint specular = LANES_WORD(lanes_uint, shades, slots, .specular_f90.x) |
+                                LANES_WORD(lanes_uint, shades, slots, .specular_f90.y);
+    return lanes_bits((((lanes_as_uint(bits) & all) ^ flags) | specular) == 0u);
 }
 
 static inline struct lambert_lanes lambert_lanes_load(const uint *slots,
@@ -70,16 +70,17 @@ static inline struct lambert_lanes lambert_lanes_load(const uint *slots,
                                                       __global const struct shade *shades)
 {
     struct lambert_lanes out;
-    const float8 normal = LANES_WORD(float8, paths, slots, .radiance_normal.w);
+    const lanes_float normal = LANES_WORD(lanes_float, paths, slots, .radiance_normal.w);
     const struct lanes4 org = LANES_OF(rays, slots, .org);
     out.org = lanes3_xyz(org);
-    out.normal = lanes_oct_unpack(as_uint8(normal));
-    out.geometric = lanes_oct_unpack(as_uint8(org.w));
-    out.diffuse = lanes3_xyz(lanes_unpack_shares(LANES_WORD(uint8, shades, slots, .diffuse_f0.x),
-                                                 LANES_WORD(uint8, shades, slots, .diffuse_f0.y)));
+    out.normal = lanes_oct_unpack(lanes_as_uint(normal));
+    out.geometric = lanes_oct_unpack(lanes_as_uint(org.w));
+    out.diffuse =
+        lanes3_xyz(lanes_unpack_shares(LANES_WORD(lanes_uint, shades, slots, .diffuse_f0.x),
+                                       LANES_WORD(lanes_uint, shades, slots, .diffuse_f0.y)));
     const struct lanes4 throughput = LANES_OF(paths, slots, .throughput_bits);
     out.throughput = lanes3_xyz(throughput);
-    out.alone = (as_uint8(throughput.w) & PATH_NO_BOUNCE) != 0u;
+    out.alone = (lanes_as_uint(throughput.w) & PATH_NO_BOUNCE) != 0u;
     return out;
 }
 

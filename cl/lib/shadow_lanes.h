@@ -69,8 +69,8 @@ static inline bool shadow_lanes_load(struct shadow_lanes_hits *out, __global con
                                      __global const struct shade *shades)
 {
     const uint used = shade_lanes_slots(out->slots, queue, first, count);
-    const float8 bits = LANES_WORD(float8, paths, out->slots, .throughput_bits.w);
-    const uint shaded = used & lanes_bits((as_uint8(bits) & PATH_SHADED) != 0u);
+    const lanes_float bits = LANES_WORD(lanes_float, paths, out->slots, .throughput_bits.w);
+    const uint shaded = used & lanes_bits((lanes_as_uint(bits) & PATH_SHADED) != 0u);
     if (shaded == 0)
         return false;
     out->lambert = shaded & lambert_lanes_are(out->slots, 0, 0, paths, shades);
@@ -81,14 +81,14 @@ static inline bool shadow_lanes_load(struct shadow_lanes_hits *out, __global con
 
 // Sets all lanes; those without a ray by the mask bring nothing.
 static inline void shadow_lanes_set(struct shadow_lanes *shadows, const struct lanes3 dir,
-                                    const float8 reach, const struct lanes3 value,
-                                    const int8 needed)
+                                    const lanes_float reach, const struct lanes3 value,
+                                    const lanes_int needed)
 {
-    const float8 zero = (float8)(0.0f);
-    vstore8(dir.x, 0, shadows->dir_x);
-    vstore8(dir.y, 0, shadows->dir_y);
-    vstore8(dir.z, 0, shadows->dir_z);
-    vstore8(reach, 0, shadows->reach);
+    const lanes_float zero = (lanes_float)(0.0f);
+    lanes_store(dir.x, shadows->dir_x);
+    lanes_store(dir.y, shadows->dir_y);
+    lanes_store(dir.z, shadows->dir_z);
+    lanes_store(reach, shadows->reach);
     shadows->value = lanes3_select(needed, value, lanes3_make(zero, zero, zero));
 }
 
@@ -122,12 +122,12 @@ static inline struct lanes3 shadow_lanes_trace(const struct shadow_lanes *shadow
                                                const struct traced *scene, const uint *slots,
                                                uint bits, __global const struct ray *rays)
 {
-    const float8 zero = (float8)(0.0f);
+    const lanes_float zero = (lanes_float)(0.0f);
     const struct lanes3 none = {zero, zero, zero};
 #if ALPHA
     struct lanes3 shares = none;
     for (; bits != 0; bits &= bits - 1) {
-        const uint k = lanes_lowest(bits);
+        const uint k = bits_lowest(bits);
         shares = lanes3_put(shares, k, shadow_lanes_share(shadows, nodes, scene, slots, k, rays));
     }
     return lanes3_mul(shadows->value, shares);
@@ -135,7 +135,7 @@ static inline struct lanes3 shadow_lanes_trace(const struct shadow_lanes *shadow
     // All comes or nothing: a bit for each ray is all that lives on while rays are traced.
     uint open = 0;
     for (; bits != 0; bits &= bits - 1) {
-        const uint k = lanes_lowest(bits);
+        const uint k = bits_lowest(bits);
         if (shadow_lanes_share(shadows, nodes, scene, slots, k, rays).x > 0.0f)
             open |= 1u << k;
     }

@@ -99,7 +99,7 @@ static inline uint packet_ask(uint *tinted, const struct packet *p, const struct
     vstore16(p->dir_y, 0, dir_y);
     vstore16(p->dir_z, 0, dir_z);
     for (; bits != 0; bits &= bits - 1) {
-        const uint k = lanes_lowest(bits);
+        const uint k = bits_lowest(bits);
         struct passage passage;
         passage_init(&passage);
         if (!passage_ask(&passage, PASSAGE_CHANCE, &scene->surface, triangle, us[k], vs[k],
@@ -133,7 +133,7 @@ static inline void packet_leaf(struct packet *p, const struct traced *scene, con
             MULADD((float16)row[0], p->dir_x, MULADD((float16)row[4], p->dir_y, row[8] * p->dir_z));
         const float16 t = -org_w / dir_w;
         const int16 near = p->active & (t > p->tmin) & (t <= p->t);
-        if (lanes_bits16(near) == 0)
+        if (bits16(near) == 0)
             continue;
 
         // And whether that is within the triangle.
@@ -149,7 +149,7 @@ static inline void packet_leaf(struct packet *p, const struct traced *scene, con
         int16 hit =
             near & (u >= 0.0f) & (v >= 0.0f) & (u + v <= 1.0f) & ((t < p->t) | (p->ref > ref));
 #if ALPHA
-        const uint bits = lanes_bits16(hit);
+        const uint bits = bits16(hit);
         if (bits != 0 && (scene->refs[ref] & BVH_REF_ALPHA)) {
             const uint stopped =
                 packet_ask(tinted, p, scene, scene->refs[ref] & BVH_REF_TRIANGLE, bits, u, v);

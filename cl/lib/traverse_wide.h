@@ -28,7 +28,7 @@ static inline uint wide_compare(const float8 a, const float8 b)
 #if !WIDE_PORTABLE && defined(__AVX512VL__) && defined(__AVX512DQ__)
     return __builtin_ia32_cmpps256_mask(a, b, 2, (uchar)0xff); // 2: less or equal
 #else
-    return lanes_bits(a <= b);
+    return bits8(a <= b);
 #endif
 }
 
@@ -111,7 +111,7 @@ static inline bool wide_leaf(struct hit *hit, const struct traced *scene, const 
         vstore4(u, 0, us);
         vstore4(v, 0, vs);
         for (; bits != 0; bits &= bits - 1) {
-            const uint lane = lanes_lowest(bits);
+            const uint lane = bits_lowest(bits);
             if (!any_hit && !(ts[lane] < hit->t))
                 continue;
 #if ALPHA
@@ -149,7 +149,7 @@ static inline int wide_descend(struct wide_entry *stack, uint *top, BVH_NODES no
                                const float8 enter)
 {
     __global const int *children = wide_children(nodes, parent);
-    uint child = lanes_lowest(bits);
+    uint child = bits_lowest(bits);
     bits &= bits - 1;
     int node = children[child];
     if (bits == 0)
@@ -160,7 +160,7 @@ static inline int wide_descend(struct wide_entry *stack, uint *top, BVH_NODES no
     float start = starts[child];
     const uint base = *top;
     do {
-        child = lanes_lowest(bits);
+        child = bits_lowest(bits);
         bits &= bits - 1;
         struct wide_entry entry;
         entry.word = children[child];
@@ -264,7 +264,7 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
                     wide_prefetch(nodes, scene->woop, words[place]);
                     stack[top++].word = (int)place;
                 }
-                place = first + lanes_lowest(bits);
+                place = first + bits_lowest(bits);
                 node = words[place];
                 continue;
             }

@@ -71,8 +71,7 @@ struct shade {
 };
 SHARED_SIZE(shade, 16);
 
-#define PATH_LANES 8u   // paths that CPUs shade side by side
-#define PATH_RUN   128u // neighbours in the queue that one of a CPU's work items takes at once
+#define PATH_RUN 128u // neighbours in the queue that one of a CPU's work items takes at once
 
 // One set for each bounce. Stages read their counts here, so the host never waits inside a batch.
 struct counters {

@@ -21,12 +21,13 @@ enum rng_use {
     RNG_USE_COUNT = 5
 };
 
-#define RNG_INDEX_MASK 0x1fffffu
+#define RNG_INDEX_MASK  0x1fffffu
+#define RNG_DEPTH_SHIFT 24
 
 // Names one block: 8 bits of depth, 3 of use, 21 of index (where every light is drawn, which).
 static inline uint rng_dimension(uint depth, uint use, uint index)
 {
-    return (depth << 24) | (use << 21) | (index & RNG_INDEX_MASK);
+    return (depth << RNG_DEPTH_SHIFT) | (use << 21) | (index & RNG_INDEX_MASK);
 }
 
 // The block's place in the table of points (lib/samples.h): those of one index share it.

@@ -29,30 +29,20 @@ enum status paths_enqueue(const struct paths_stage *paths, const struct stage_co
     const struct device_bvh *wide = &scene->bvhs[LAYOUT_WIDE];
     const uint32_t blocks = block_count(scene);
     const struct kernel_arg args[] = {
-        ARG_BUFFER(&wide->woop),
-        ARG_BUFFER(&wide->refs),
-        ARG_BUFFER(&scene->vertices),
-        ARG_BUFFER(&scene->colors),
-        ARG_BUFFER(&scene->triangles),
-        ARG_BUFFER(&scene->materials),
-        ARG_BUFFER(&scene->texels),
-        ARG_VALUE(blocks),
-        ARG_BUFFER(&w->settings),
-        ARG_VALUE(context->batch),
-        ARG_BUFFER(&scene->triangle_emitters),
-        ARG_BUFFER(&scene->lights),
-        ARG_BUFFER(&scene->shapes),
-        ARG_BUFFER(&scene->light_nodes),
-        ARG_BUFFER(&scene->light_parents),
-        ARG_BUFFER(&scene->light_leaves),
-        ARG_BUFFER(&w->rays),
-        ARG_BUFFER(&w->paths),
-        ARG_BUFFER(&w->counters),
-        ARG_BUFFER(&w->points),
+        ARG_BUFFER(&wide->woop),          ARG_BUFFER(&wide->refs),
+        ARG_BUFFER(&scene->vertices),     ARG_BUFFER(&scene->colors),
+        ARG_BUFFER(&scene->triangles),    ARG_BUFFER(&scene->materials),
+        ARG_BUFFER(&scene->texels),       ARG_VALUE(blocks),
+        ARG_BUFFER(&w->settings),         ARG_BUFFER(&w->camera),
+        ARG_VALUE(context->batch),        ARG_BUFFER(&scene->triangle_emitters),
+        ARG_BUFFER(&scene->lights),       ARG_BUFFER(&scene->shapes),
+        ARG_BUFFER(&scene->light_nodes),  ARG_BUFFER(&scene->light_parents),
+        ARG_BUFFER(&scene->light_leaves), ARG_BUFFER(&w->paths),
+        ARG_BUFFER(&w->counters),         ARG_BUFFER(&w->points),
         ARG_BUFFER(&w->places),
     };
     return kernel_enqueue(context->gpu, &paths->kernel, args, sizeof(args) / sizeof(args[0]),
-                          stage_shade_items(context));
+                          stage_few_items(context));
 }
 
 void paths_free(struct paths_stage *paths)

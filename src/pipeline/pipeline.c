@@ -154,10 +154,14 @@ enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu, en
                                  const struct program_options *options)
 {
     struct pipeline p = {.options = *options, .fusion = fusion};
-    enum status status = raygen_build(&p.raygen, gpu, options, &p.built);
-    if (status == STATUS_OK)
-        status = fusion == FUSION_PATHS ? paths_build(&p.paths, gpu, options, &p.built)
-                                        : bounce_build(&p.bounce, gpu, options, &p.built);
+    enum status status = STATUS_OK;
+    if (fusion == FUSION_PATHS) {
+        status = paths_build(&p.paths, gpu, options, &p.built);
+    } else {
+        status = raygen_build(&p.raygen, gpu, options, &p.built); // it clears the counters
+        if (status == STATUS_OK)
+            status = bounce_build(&p.bounce, gpu, options, &p.built);
+    }
     if (status == STATUS_OK)
         *out = p;
     else
@@ -274,9 +278,9 @@ enum status pipeline_enqueue(const struct pipeline *pipeline, struct gpu *gpu,
     const uint32_t *form_of = pipeline->form_of;
     if (pipeline->fusion == FUSION_BOUNCES)
         return enqueue_bounces(pipeline, &context, bounces);
-    enum status status = raygen_enqueue(&pipeline->raygen, &context);
-    if (status == STATUS_OK && pipeline->fusion == FUSION_PATHS)
+    if (pipeline->fusion == FUSION_PATHS)
         return paths_enqueue(&pipeline->paths, &context);
+    enum status status = raygen_enqueue(&pipeline->raygen, &context);
     for (; context.bounce < bounces && status == STATUS_OK; context.bounce++) {
         const bool goes_on = context.bounce + 1 < bounces;
         context.scatters = goes_on && pipeline_has_shadows(scene);

@@ -22,7 +22,7 @@ enum ray_class pipeline_class(uint32_t bounce);
 enum fusion {
     FUSION_NONE,    // its own stage
     FUSION_BOUNCES, // all of a bounce: bounce
-    FUSION_PATHS    // all from trace to the path's end, on CPUs: paths
+    FUSION_PATHS    // all from raygen to the path's end, on CPUs: paths
 };
 
 /** A way to trace: the stages that do, built alike. All zero is a valid empty one. */

@@ -9,6 +9,11 @@
 #define PERSISTENT_ITEMS_GPU 2048u
 #define PERSISTENT_ITEMS_CPU 4u
 
+// Paths for each item of a kernel that first gathers all triangles: that takes as long as ten paths
+// of five bounces. With 512 the Cornell box takes 2 % longer, with 2048 the last item keeps a core
+// waiting.
+#define PATHS_OF_FEW 1024u
+
 const struct buffer *stage_queue(const struct stage_context *context)
 {
     return &context->wavefront->queue[context->bounce & 1];
@@ -28,6 +33,16 @@ size_t stage_shade_items(const struct stage_context *context)
 {
     const uint32_t count = context->batch.count;
     return context->gpu->info.is_cpu ? (count + PATH_RUN - 1) / PATH_RUN : count;
+}
+
+size_t stage_few_items(const struct stage_context *context)
+{
+    const uint32_t count = context->batch.count;
+    const size_t by_paths = count / PATHS_OF_FEW + 1;
+    const size_t by_cores = (size_t)context->gpu->info.compute_units * PERSISTENT_ITEMS_CPU;
+    const size_t most = count / PATH_RUN + 1;
+    const size_t items = by_paths > by_cores ? by_paths : by_cores;
+    return items < most ? items : most;
 }
 
 size_t stage_light_items(const struct stage_context *context, const struct kernel *kernel)

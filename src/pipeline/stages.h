@@ -47,6 +47,9 @@ size_t stage_loop_items(const struct stage_context *context, const struct kernel
 /** Work items of a kernel that shades: on CPUs one for each run of paths (cl/lib/shade_lanes.h). */
 size_t stage_shade_items(const struct stage_context *context);
 
+/** Work items of a kernel that gathers all triangles to begin with (cl/lib/traverse_few.h). */
+size_t stage_few_items(const struct stage_context *context);
+
 /** Work items of a kernel that traces. */
 size_t stage_trace_items(const struct stage_context *context, const struct kernel *kernel);
 

@@ -48,8 +48,7 @@ enum status trace_enqueue(const struct trace *trace, const struct stage_context 
         (uint32_t)(scene->bvhs[LAYOUT_WIDE].woop.size / sizeof(struct woop_block));
     if (trace->few.handle != NULL && block_count <= WIDE_FEW_BLOCKS) {
         args[count] = (struct kernel_arg)ARG_VALUE(block_count); // in place of the paths
-        return kernel_enqueue(context->gpu, &trace->few, args, count + 1,
-                              stage_shade_items(context));
+        return kernel_enqueue(context->gpu, &trace->few, args, count + 1, stage_few_items(context));
     }
     return kernel_enqueue(context->gpu, &trace->kernel, args, count,
                           stage_trace_items(context, &trace->kernel));

@@ -39,40 +39,41 @@ TEST_KERNEL lanes_single(__constant struct settings *settings, const struct batc
     out[i] = c;
 }
 
-// The same, eight cases an item; count is a multiple.
-TEST_KERNEL lanes_eight(__constant struct settings *settings, const struct batch batch,
-                        __global const uint4 *points, __global const uint *places,
-                        __global const float4 *vectors, __global const uint *words,
-                        __global const float4 *units, const uint count,
-                        __global struct lanes_case *out)
+// The same, LANES cases an item; count is a multiple.
+TEST_KERNEL lanes_together(__constant struct settings *settings, const struct batch batch,
+                           __global const uint4 *points, __global const uint *places,
+                           __global const float4 *vectors, __global const uint *words,
+                           __global const float4 *units, const uint count,
+                           __global struct lanes_case *out)
 {
     const uint first = get_global_id(0) * LANES;
     if (first >= count)
         return;
     uint slots[LANES];
-    vstore8(first + (uint8)(0, 1, 2, 3, 4, 5, 6, 7), 0, slots);
-    const struct lanes_place place = lanes_place(batch, places, vload8(0, slots));
+    lanes_store(first + lanes_as_uint(LANES_ORDER), slots);
+    const struct lanes_place place = lanes_place(batch, places, lanes_load(slots), 1);
     const struct lanes4 vector = LANES_OF(vectors, slots, );
     const struct lanes4 unit = LANES_OF(units, slots, );
-    const float8 zero = (float8)(0.0f);
-    float8 cosine, sine;
+    const lanes_float zero = (lanes_float)(0.0f);
+    lanes_float cosine, sine;
     lanes_cos_sin_turn(&cosine, &sine, unit.y);
     const struct lanes_numbers numbers =
-        lanes_draw(settings, points, place.pixel, place.sample, 1, RNG_USE_LIGHT, (uint8)(3u));
-    const struct lanes4 number_rows = {as_float8(numbers.x), as_float8(numbers.y),
-                                       as_float8(numbers.z), as_float8(numbers.w)};
-    const struct lanes4 words_row = {as_float8(place.pixel), as_float8(place.sample),
-                                     as_float8(lanes_oct_pack(lanes3_xyz(vector))), zero};
+        lanes_draw(settings, points, place, place.sample, RNG_USE_LIGHT, (lanes_uint)(3u));
+    const struct lanes4 number_rows = {lanes_as_float(numbers.x), lanes_as_float(numbers.y),
+                                       lanes_as_float(numbers.z), lanes_as_float(numbers.w)};
+    const struct lanes4 words_row = {lanes_as_float(place.pixel), lanes_as_float(place.sample),
+                                     lanes_as_float(lanes_oct_pack(lanes3_xyz(vector))), zero};
     const struct lanes4 weights = {cosine, sine, lanes_mis_weight(unit.z, unit.w), zero};
-    const struct lanes4 shares = lanes_unpack_shares(as_uint8(lanes_pack_shares(unit.x, unit.y)),
-                                                     as_uint8(lanes_pack_shares(unit.z, unit.w)));
-    const uint8 word = LANES_WORD(uint8, words, slots, );
+    const struct lanes4 shares =
+        lanes_unpack_shares(lanes_as_uint(lanes_pack_shares(unit.x, unit.y)),
+                            lanes_as_uint(lanes_pack_shares(unit.z, unit.w)));
+    const lanes_uint word = LANES_WORD(lanes_uint, words, slots, );
 
-    LANES_STORE(out, slots, .normal, 0xffu, lanes4_make(lanes_oct_unpack(word), zero));
-    LANES_STORE(out, slots, .dir, 0xffu,
+    LANES_STORE(out, slots, .normal, LANES_ALL, lanes4_make(lanes_oct_unpack(word), zero));
+    LANES_STORE(out, slots, .dir, LANES_ALL,
                 lanes4_make(lanes_sample_cosine(lanes3_xyz(vector), unit.x, unit.y), zero));
-    LANES_STORE(out, slots, .shares, 0xffu, shares);
-    LANES_STORE(out, slots, .weights, 0xffu, weights);
-    LANES_STORE(out, slots, .numbers, 0xffu, number_rows);
-    LANES_STORE(out, slots, .place, 0xffu, words_row);
+    LANES_STORE(out, slots, .shares, LANES_ALL, shares);
+    LANES_STORE(out, slots, .weights, LANES_ALL, weights);
+    LANES_STORE(out, slots, .numbers, LANES_ALL, number_rows);
+    LANES_STORE(out, slots, .place, LANES_ALL, words_row);
 }

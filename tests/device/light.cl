@@ -51,31 +51,33 @@ TEST_KERNEL light_samples(__global const struct light *lights,
     radiance_density[i] = (float4)(sampled.radiance, sampled.density);
 }
 
-// As light_samples, eight points an item; count is a multiple.
-TEST_KERNEL light_samples_by_eights(__global const struct light *lights,
-                                    __global const struct light_shape *shapes, const uint light,
-                                    __global const struct vertex *vertices,
-                                    __global const struct triangle *triangles,
-                                    __global const struct material *materials,
-                                    __global const uint *texels, __global const float4 *points,
-                                    const float4 normal, __global const float4 *numbers,
-                                    const uint count, __global float4 *dir_distance,
-                                    __global float4 *radiance_density)
+// As light_samples, LANES points an item; count is a multiple.
+TEST_KERNEL light_samples_together(__global const struct light *lights,
+                                   __global const struct light_shape *shapes, const uint light,
+                                   __global const struct vertex *vertices,
+                                   __global const struct triangle *triangles,
+                                   __global const struct material *materials,
+                                   __global const uint *texels, __global const float4 *points,
+                                   const float4 normal, __global const float4 *numbers,
+                                   const uint count, __global float4 *dir_distance,
+                                   __global float4 *radiance_density)
 {
     const uint first = get_global_id(0) * LANES;
     if (first >= count)
         return;
     const struct surface surface = {vertices, 0, triangles, materials, texels};
     uint slots[LANES], index[LANES];
-    vstore8(first + (uint8)(0, 1, 2, 3, 4, 5, 6, 7), 0, slots);
-    vstore8((uint8)(light), 0, index);
+    lanes_store(first + lanes_as_uint(LANES_ORDER), slots);
+    lanes_store((lanes_uint)(light), index);
     const struct lanes4 p = LANES_OF(points, slots, );
     const struct lanes4 u = LANES_OF(numbers, slots, );
-    const struct lanes3 up = {(float8)(normal.x), (float8)(normal.y), (float8)(normal.z)};
+    const struct lanes3 up = {(lanes_float)(normal.x), (lanes_float)(normal.y),
+                              (lanes_float)(normal.z)};
     const struct light_lanes sampled =
-        light_lanes_sample(lights, shapes, index, 0xffu, &surface, lanes3_xyz(p), up, u.x, u.y);
-    LANES_STORE(dir_distance, slots, , 0xffu, lanes4_make(sampled.dir, sampled.distance));
-    LANES_STORE(radiance_density, slots, , 0xffu, lanes4_make(sampled.radiance, sampled.density));
+        light_lanes_sample(lights, shapes, index, LANES_ALL, &surface, lanes3_xyz(p), up, u.x, u.y);
+    LANES_STORE(dir_distance, slots, , LANES_ALL, lanes4_make(sampled.dir, sampled.distance));
+    LANES_STORE(radiance_density, slots, , LANES_ALL,
+                lanes4_make(sampled.radiance, sampled.density));
 }
 
 // The density of what light_samples draws, asked of rays from points[i] that hit the light.

@@ -128,7 +128,7 @@ static inline void draw_samples(const struct shaped_light *light, float4 normal)
     struct fixture *f = &fixture;
     write_light(light);
     run_samples("light_samples", normal, f->cell_dirs, f->cell_values);
-    run_samples("light_samples_by_eights", normal, f->eight_dirs, f->eight_values);
+    run_samples("light_samples_together", normal, f->eight_dirs, f->eight_values);
 }
 
 /** The same where there is no surface, and by eights it is the same. */

@@ -33,7 +33,7 @@ struct cases {
     uint32_t places[PIXELS]; // of pixels, all different
     float4 vectors[COUNT], units[COUNT];
     uint32_t words[COUNT];
-    struct lanes_case single[COUNT], eight[COUNT];
+    struct lanes_case single[COUNT], lanes[COUNT];
 };
 
 static void make_cases(struct cases *c)
@@ -60,7 +60,7 @@ static void make_cases(struct cases *c)
     }
 }
 
-static void run(struct gpu *gpu, struct cases *c, const struct batch *batch)
+static void run(struct gpu *gpu, struct cases *c, const struct batch *batch, const char *source)
 {
     const struct settings settings = {.seed = 5,
                                       .depth = DEPTH,
@@ -71,7 +71,7 @@ static void run(struct gpu *gpu, struct cases *c, const struct batch *batch)
     uint4 *points = NULL;
     assert_ok(samples_build(&points, settings.seed, DEPTH, POINT_SHIFT));
     const size_t points_size = ((size_t)rng_block_count(DEPTH) << POINT_SHIFT) * sizeof(*points);
-    struct program program = device_program(gpu, "lanes", NULL);
+    struct program program = device_program(gpu, source, NULL);
     struct buffer buffers[] = {
         device_buffer(gpu, &settings, sizeof(settings)),
         device_buffer(gpu, points, points_size),
@@ -88,8 +88,8 @@ static void run(struct gpu *gpu, struct cases *c, const struct batch *batch)
     };
     DEVICE_RUN(gpu, &program, "lanes_single", args, count);
     assert_ok(buffer_read(gpu, &buffers[6], c->single, sizeof(c->single)));
-    DEVICE_RUN(gpu, &program, "lanes_eight", args, count);
-    assert_ok(buffer_read(gpu, &buffers[6], c->eight, sizeof(c->eight)));
+    DEVICE_RUN(gpu, &program, "lanes_together", args, count);
+    assert_ok(buffer_read(gpu, &buffers[6], c->lanes, sizeof(c->lanes)));
     for (size_t i = 0; i < sizeof(buffers) / sizeof(buffers[0]); i++)
         buffer_free(gpu, &buffers[i]);
     program_free(&program);
@@ -109,7 +109,7 @@ static int is_near(uint32_t a, uint32_t b)
     return abs((int)(int16_t)a - (int)(int16_t)b) <= OCT_STEP;
 }
 
-static void lanes_compute_what_single_paths_do(void **state)
+static void assert_like_single_paths(void **state, const char *source)
 {
     struct gpu *gpu = device_of(state);
     struct cases *c = calloc(1, sizeof(*c));
@@ -120,28 +120,45 @@ static void lanes_compute_what_single_paths_do(void **state)
     };
     make_cases(c);
     for (size_t b = 0; b < sizeof(batches) / sizeof(batches[0]); b++) {
-        run(gpu, c, &batches[b]);
+        run(gpu, c, &batches[b], source);
         for (uint32_t i = 0; i < COUNT; i++) {
-            const struct lanes_case *eight = &c->eight[i];
+            const struct lanes_case *lanes = &c->lanes[i];
             const struct lanes_case *single = &c->single[i];
-            assert_memory_equal(&eight->numbers, &single->numbers, sizeof(single->numbers));
-            assert_memory_equal(&eight->place, &single->place, 2 * sizeof(float));
-            const uint32_t packed = float_bits(eight->place.z);
+            assert_memory_equal(&lanes->numbers, &single->numbers, sizeof(single->numbers));
+            assert_memory_equal(&lanes->place, &single->place, 2 * sizeof(float));
+            const uint32_t packed = float_bits(lanes->place.z);
             const uint32_t expected = float_bits(single->place.z);
             assert_true(is_near(packed, expected) && is_near(packed >> 16, expected >> 16));
-            assert_row(&eight->normal, &single->normal);
-            assert_row(&eight->dir, &single->dir);
-            assert_row(&eight->shares, &single->shares);
-            assert_row(&eight->weights, &single->weights);
+            assert_row(&lanes->normal, &single->normal);
+            assert_row(&lanes->dir, &single->dir);
+            assert_row(&lanes->shares, &single->shares);
+            assert_row(&lanes->weights, &single->weights);
         }
     }
     free(c);
 }
 
+static void eight_compute_what_single_paths_do(void **state)
+{
+    assert_like_single_paths(state, "lanes");
+}
+
+static void sixteen_compute_what_single_paths_do(void **state)
+{
+    assert_like_single_paths(state, "lanes_sixteen");
+}
+
+static void plain_opencl_computes_the_same(void **state)
+{
+    assert_like_single_paths(state, "lanes_portable");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lanes_compute_what_single_paths_do),
+        cmocka_unit_test(eight_compute_what_single_paths_do),
+        cmocka_unit_test(sixteen_compute_what_single_paths_do),
+        cmocka_unit_test(plain_opencl_computes_the_same),
     };
     return cmocka_run_group_tests(tests, device_setup, device_teardown);
 }

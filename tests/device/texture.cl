@@ -15,7 +15,7 @@ TEST_KERNEL texture_from_pool(__global const uint *restrict texels,
         out[i] = texture_fetch_pool(texels, slot, uvs[i]);
 }
 
-// As texture_from_pool(), by eights; count is a multiple. Alpha is not looked up so.
+// As texture_from_pool(), side by side; count is a multiple. Alpha is not looked up so.
 TEST_KERNEL texture_from_lanes(__global const uint *restrict texels,
                                __global const struct material *material, __global const float4 *uvs,
                                const uint count, __global float4 *out)
@@ -23,14 +23,15 @@ TEST_KERNEL texture_from_lanes(__global const uint *restrict texels,
     const uint first = get_global_id(0) * LANES;
     if (first >= count)
         return;
-    const uint every = (first / LANES) % 2 == 0 ? 0xffu : 0x5au; // others are to be white
-    const uint materials[LANES] = {0, 0, 0, 0, 0, 0, 0, 0};
+    const uint every =
+        (first / LANES) % 2 == 0 ? LANES_ALL : (0x5a5au & LANES_ALL); // others are to be white
+    const uint materials[LANES] = {0};
     uint places[LANES];
-    vstore8(first + (uint8)(0, 1, 2, 3, 4, 5, 6, 7), 0, places);
+    lanes_store(first + lanes_as_uint(LANES_ORDER), places);
     struct texture_lanes lanes;
     texture_lanes_find(&lanes, material, materials, TEXTURE_BASE, every, LANES_OF(uvs, places, ));
     const struct lanes3 found = texture_lanes_fetch(&lanes, every, texels);
-    LANES_STORE(out, places, , 0xffu, lanes4_make(found, (float8)(1.0f)));
+    LANES_STORE(out, places, , LANES_ALL, lanes4_make(found, (lanes_float)(1.0f)));
     for (uint i = first; i < first + LANES; i++) {
         const float4 single = texture_fetch_pool(texels, &material->textures[TEXTURE_BASE], uvs[i]);
         const bool is_white = all(out[i].xyz == 1.0f);

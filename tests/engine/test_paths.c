@@ -18,8 +18,9 @@
 
 static struct lk_scene *scene; // of the group
 
-// A room that is open in front, with a texture, halves of quads and single triangles, and lights
-// that shine on one side, on both, and from points.
+// A room that is open in front, with textures, shading normals, halves of quads, single triangles
+// and two that lie in each other, and lights that shine on one side, on both, through a texture,
+// and from points.
 static int make_scene(void **state)
 {
     (void)state;
@@ -27,12 +28,15 @@ static int make_scene(void **state)
                                      3,   40, 9, 255, 80, 200, 250, 255};
     static const float positions[] = {-1, -0.9f, 0.2f, 1, -0.9f, 0, 1, 0.9f, 0, -1, 1, -0.1f};
     static const float texcoords[] = {0, 2, 2, 2, 2, 0, 0, 0};
+    static const float normals[] = {-0.6f, 0, 0.8f, 0.6f, 0, 0.8f, 0.6f, 0, 0.8f, -0.6f, 0, 0.8f};
+    static const float panel[] = {-1.9f, 0, -1, -1.9f, 0, 0, -1.9f, 1, 0, -1.9f, 1, -1};
     static const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
     static const float walls[][12] = {{-2, -1, -2, 2, -1, -2, 2, 2, -2, -2, 2, -2},
                                       {-2, -1, 3, -2, -1, -2, -2, 2, -2, -2, 2, 3},
                                       {2, -1, -2, 2, -1, 3, 2, 2, 3, 2, 2, -2}};
     struct gltf_writer writer = {0};
     const struct gltf_mesh mesh = {.positions = positions,
+                                   .normals = normals,
                                    .texcoords = texcoords,
                                    .triangles = triangles,
                                    .vertex_count = 4,
@@ -43,7 +47,23 @@ static int make_scene(void **state)
                       "{\"index\":%d}},\"extensions\":{\"KHR_materials_specular\":"
                       "{\"specularFactor\":0}}}",
                       gltf_texture(&writer, texels, 2, 2));
+    const struct gltf_mesh shining = {.positions = panel,
+                                      .texcoords = texcoords,
+                                      .triangles = triangles,
+                                      .vertex_count = 4,
+                                      .triangle_count = 2};
+    const int glow = gltf_material(
+        &writer,
+        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"doubleSided\":true,"
+        "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":%d},\"extensions\":"
+        "{\"KHR_materials_specular\":{\"specularFactor\":0}}}",
+        gltf_texture(&writer, texels, 2, 2));
     gltf_node(&writer, "{\"mesh\":%d}", gltf_mesh(&writer, textured, &mesh));
+    gltf_node(&writer, "{\"mesh\":%d}", gltf_mesh(&writer, glow, &shining));
+    gltf_triangle(&writer, gltf_lambert(&writer, 0.9),
+                  (const float[]){0.2f, -0.5f, 1, 1, -0.4f, 1, 0.7f, 0.5f, 1});
+    gltf_triangle(&writer, gltf_lambert(&writer, 0.1), // the same from another corner
+                  (const float[]){1, -0.4f, 1, 0.2f, -0.5f, 1, 0.7f, 0.5f, 1});
     const int white = gltf_lambert(&writer, 0.7);
     for (size_t i = 0; i < sizeof(walls) / sizeof(walls[0]); i++)
         gltf_quad(&writer, white, walls[i]);
