@@ -8,7 +8,7 @@
 #include "shared/base.h"
 
 #ifndef WIDE_PORTABLE
-#define WIDE_PORTABLE 0 // 1: without x86's instructions for masks, as on other CPUs
+#define WIDE_PORTABLE 0 // 1: without x86's own instructions, as on other CPUs
 #endif
 
 // What is to be where it is called: LLVM leaves long functions apart that are called more than

@@ -62,21 +62,17 @@ static inline void few_surface_some(struct few_surface *out, const struct few *f
 {
     struct material_lanes_hits h;
     uint place[LANES], side[LANES];
-    for (uint k = 0; k < LANES; k++) {
+    for (uint k = 0; k < LANES; k++)
         place[k] = min(first + k, few->count - 1);
-        h.triangle[k] = few->names[place[k]];
-    }
-    const struct lanes4 tri = LANES_OF(((__global const float4 *)s->triangles), h.triangle, );
-    lanes_store(lanes_as_uint(tri.x), h.v0);
-    lanes_store(lanes_as_uint(tri.y), h.v1);
-    lanes_store(lanes_as_uint(tri.z), h.v2);
-    lanes_store(lanes_as_uint(tri.w), h.material);
+    const lanes_float zero = (lanes_float)(0.0f);
+    const struct lanes4 corners = {zero, zero, zero,
+                                   lanes_as_float(LANES_WORD(lanes_uint, few->names, place, ))};
+    material_lanes_see(&h, LANES_ALL, corners, s);
     const struct lanes4 row0 = LANES_OF(s->vertices, h.v0, .pos_normal);
     const struct lanes4 row1 = LANES_OF(s->vertices, h.v1, .pos_normal);
     const struct lanes4 row2 = LANES_OF(s->vertices, h.v2, .pos_normal);
     const struct lanes4 emission = LANES_OF(s->materials, h.material, .emission);
     const struct lanes4 base = LANES_OF(s->materials, h.material, .base);
-    const lanes_uint flags = LANES_WORD(lanes_uint, s->materials, h.material, .flags);
 
     // The triangles.
     const struct lanes3 edge1 = lanes3_sub(lanes3_xyz(row1), lanes3_xyz(row0));
@@ -85,9 +81,9 @@ static inline void few_surface_some(struct few_surface *out, const struct few *f
     const lanes_uint n0 = lanes_as_uint(row0.w);
     const lanes_int smooth = (lanes_as_uint(row1.w) != n0) | (lanes_as_uint(row2.w) != n0);
     const lanes_int shines = lanes3_max(lanes3_xyz(emission)) > 0.0f;
-    const lanes_uint bits = lanes_as_uint(
-        (shines & (lanes_int)(FEW_SHINES)) | (smooth & (lanes_int)(FEW_SMOOTH)) |
-        (lanes_mask(material_lanes_textured(s, &h, TEXTURE_BASE)) & (lanes_int)(FEW_TEXTURED)));
+    const lanes_uint bits =
+        lanes_as_uint((shines & (lanes_int)(FEW_SHINES)) | (smooth & (lanes_int)(FEW_SMOOTH)) |
+                      (lanes_mask(h.textured) & (lanes_int)(FEW_TEXTURED)));
     const struct lanes3 diffuse = few_round_color(lanes3_xyz(base));
     const struct lanes4 normals = {row0.w, row1.w, row2.w, row2.w};
     LANES_STORE(out->corners, place, .corner_red, LANES_ALL,
@@ -99,12 +95,11 @@ static inline void few_surface_some(struct few_surface *out, const struct few *f
     LANES_STORE(out->normals, place, , LANES_ALL, normals);
 
     // Their sides.
-    const lanes_float zero = (lanes_float)(0.0f);
     const struct lanes3 normal = hit_lanes_normal(n0, n0, n0, zero, zero, geometric);
     for (uint behind = 0; behind < 2; behind++) {
         const lanes_float sign = (lanes_float)(behind != 0 ? -1.0f : 1.0f);
         const lanes_int is_lit =
-            behind != 0 ? (flags & MATERIAL_EMITS_BACK) != 0u : (lanes_int)(-1);
+            behind != 0 ? (h.flags & MATERIAL_EMITS_BACK) != 0u : (lanes_int)(-1);
         for (uint k = 0; k < LANES; k++)
             side[k] = 2 * place[k] + behind;
         LANES_STORE(out->sides, side, .geometric, LANES_ALL,

@@ -1,6 +1,6 @@
 /**
  * @file
- * Shading of eight paths side by side, on CPUs: of those hits that are Lambert, as most of most
+ * Shading of paths side by side, on CPUs: of those hits that are Lambert, as most of most
  * scenes are. Which way a hit goes is decided by that hit alone.
  */
 #ifndef LIB_SHADE_LANES_H
@@ -22,7 +22,7 @@
 
 #define SHADE_RUN PATH_RUN
 
-// Goes through the work item's slots by eights: i is the place of the first in the queue.
+// Goes through the work item's slots, LANES at a time: i is the place of the first in the queue.
 #define SHADE_LANES_LOOP(i, count)                                                                 \
     for (uint run_ = get_global_id(0) * SHADE_RUN; run_ < (count);                                 \
          run_ += get_global_size(0) * SHADE_RUN)                                                   \
@@ -37,8 +37,8 @@ struct lambert_lanes {
     lanes_int alone; // PATH_NO_BOUNCE
 };
 
-// Reads the eight slots from place `first` of the queue on. Past its end the last one stands in.
-// Returns bits of the lanes that are before it.
+// Reads the slots from place `first` of the queue on, one for each lane. Past its end the last one
+// stands in. Returns bits of the lanes that are before it.
 static inline uint shade_lanes_slots(uint *slots, __global const uint *queue, const uint first,
                                      const uint count)
 {

@@ -43,8 +43,8 @@ struct pipeline {
     struct sort sort;                     // unused unless textures are bound
     struct material_stage material;
     struct scatter scatter;   // unused unless no stage traces shadow rays, or forms are compared
-    struct bounce bounce;     // in place of all but raygen; unused unless bounces are fused,
-    struct paths_stage paths; // and this one unless paths are
+    struct bounce bounce;     // in place of all but raygen; unused unless bounces are fused
+    struct paths_stage paths; // in place of all; unused unless paths are fused
     enum fusion fusion;
     struct pipeline_form forms[PIPELINE_FORMS_MAX];
     uint32_t form_count;
@@ -66,9 +66,8 @@ enum status pipeline_build(struct pipeline *out, const struct gpu *gpu,
                            const struct pipeline_form *forms, uint32_t form_count, bool compares);
 
 /**
- * Builds the pipeline of two kernels: raygen, and the one that does the rest. With bounces fused
- * raygen is left with clearing counters. For scenes that pipeline_can_fuse(). Fails as
- * kernel_build().
+ * Builds the pipeline of one kernel: that of paths, or that of bounces and raygen, which is left
+ * with clearing counters. For scenes that pipeline_can_fuse(). Fails as kernel_build().
  */
 enum status pipeline_build_fused(struct pipeline *out, const struct gpu *gpu, enum fusion fusion,
                                  const struct program_options *options);

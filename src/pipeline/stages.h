@@ -152,7 +152,7 @@ enum status scatter_build(struct scatter *out, const struct gpu *gpu,
 enum status scatter_enqueue(const struct scatter *scatter, const struct stage_context *context);
 void scatter_free(struct scatter *scatter);
 
-/** In place of all stages from trace to scatter, on CPUs. */
+/** In place of all stages from raygen to scatter, on CPUs. */
 struct paths_stage {
     struct kernel kernel;
 };
