@@ -25,7 +25,7 @@
 //   lanes  of the warp that walk, LEAF_LANES()
 #if WARP_VOTES
 #define LEAF_SEARCHERS           4u // few look for a leaf: one lane in
-#define LEAF_TESTERS             3u // few test one: one lane in
+#define LEAF_TESTERS             4u // few test one: one lane in
 #define LEAF_LANES()             warp_lanes()
 #define LEAF_IS_DUE(leaf, lanes) (warp_count((leaf) == 0) * LEAF_SEARCHERS <= (lanes))
 #define LEAF_MAY_WAIT(lanes)     (warp_lanes() * LEAF_TESTERS <= (lanes))
@@ -39,6 +39,17 @@
 static inline float leaf_along(const float4 row, const float3 p, const float w)
 {
     return MULADD(row.x, p.x, MULADD(row.y, p.y, MULADD(row.z, p.z, w)));
+}
+
+// GPUs divide in half the instructions if the ends of the range need no care: a ray that runs along
+// a triangle's plane does not meet it.
+static inline float leaf_quotient(const float a, const float b)
+{
+#if DEVICE_CPU
+    return a / b;
+#else
+    return a * native_recip(b);
+#endif
 }
 
 // Whether, of a hit and of reference i at the same distance, the hit stays. One at the end of the
@@ -64,7 +75,7 @@ static inline bool leaf_test_one(struct hit *hit, const struct traced *scene, co
     const float4 row_u = scene->woop[3 * i + 1];
     const float4 row_v = scene->woop[3 * i + 2];
 #endif
-    const float t = -leaf_along(row_w, org, row_w.w) / leaf_along(row_w, dir, 0.0f);
+    const float t = -leaf_quotient(leaf_along(row_w, org, row_w.w), leaf_along(row_w, dir, 0.0f));
     if (!(t > tmin && (any_hit ? t < hit->t : t <= hit->t)))
         return false;
     if (!any_hit && t == hit->t && leaf_tie_stays(hit, scene, i))

@@ -32,9 +32,10 @@ static inline float traverse_safe(const float x)
 }
 
 // Of a ray's direction, for slab tests: t = plane * inverse + shift, with shift = -org * inverse.
+// Numbers that can be divided by need no care for the ends of the range.
 static inline float3 traverse_inverse(const float3 dir)
 {
-    return 1.0f / (float3)(traverse_safe(dir.x), traverse_safe(dir.y), traverse_safe(dir.z));
+    return native_recip((float3)(traverse_safe(dir.x), traverse_safe(dir.y), traverse_safe(dir.z)));
 }
 
 // Where a ray enters a box, the latest of where it enters the slabs and of tmin, 0 at least; and

@@ -17,6 +17,7 @@
 #define LIB_TRAVERSE_H
 
 #include "lib/leaf.h" // here, since each file is embedded where it is included first
+#include "lib/slab.h"
 
 #if BVH_WIDE
 #include "lib/traverse_wide.h"

@@ -129,7 +129,7 @@ static inline void compressed_visit(uint2 *group, uint2 *refs, BVH_NODES nodes, 
         (float3)(as_float(packed << 23 & 0x7f800000u), as_float(packed << 15 & 0x7f800000u),
                  as_float(packed << 7 & 0x7f800000u)) *
         inverse;
-    const float3 start = MULADD(head.xyz, inverse, w->shift) - scale;
+    const float3 start = MULADD(head.xyz, inverse, w->shift);
 
     // Intersect the ray with the slabs of all children.
     const bool back_x = inverse.x < 0.0f;

@@ -17,6 +17,7 @@
 #define LIB_WALK_H
 
 #include "lib/byte_planes.h" // here, since each file is embedded where it is included first
+#include "lib/word_stack.h"
 
 #if BVH_COMPRESSED
 #include "lib/traverse_compressed.h"

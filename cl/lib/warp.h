@@ -62,21 +62,22 @@ static inline float warp_sub_unit(const float a, const float b)
     return difference;
 }
 
-// Floats made of the four bytes of `bytes`, each put as the second lowest byte into `rest`, which
-// is 0 there: what warp_pick() makes of both with the digits 4, 0 .. 3, 6, 7, but by products,
-// which units for sums do while those for bits are busy.
-static inline float4 warp_pick_four(const uint bytes, const uint rest)
+// A float made of `rest` and of one of the two lower bytes, put where `rest` is 0 below: the lowest
+// by the factor 2^k, the other by 2^(16 + k), which shift it left by k. What warp_pick() makes, but
+// by products, which units for sums do while those for bits are busy.
+static inline float warp_pick_low(const uint bytes, const uint rest, const uint factor)
 {
-    uint4 sums;
-    __asm("dp2a.lo.u32.u32 %0, %1, %2, %3;" : "=r"(sums.x) : "r"(0x100u), "r"(bytes), "r"(rest));
-    __asm("dp2a.lo.u32.u32 %0, %1, %2, %3;"
-          : "=r"(sums.y)
-          : "r"(0x1000000u), "r"(bytes), "r"(rest));
-    __asm("dp2a.hi.u32.u32 %0, %1, %2, %3;" : "=r"(sums.z) : "r"(0x100u), "r"(bytes), "r"(rest));
-    __asm("dp2a.hi.u32.u32 %0, %1, %2, %3;"
-          : "=r"(sums.w)
-          : "r"(0x1000000u), "r"(bytes), "r"(rest));
-    return as_float4(sums);
+    uint sum;
+    __asm("dp2a.lo.u32.u32 %0, %1, %2, %3;" : "=r"(sum) : "r"(factor), "r"(bytes), "r"(rest));
+    return as_float(sum);
+}
+
+// The same of the two upper bytes.
+static inline float warp_pick_high(const uint bytes, const uint rest, const uint factor)
+{
+    uint sum;
+    __asm("dp2a.hi.u32.u32 %0, %1, %2, %3;" : "=r"(sum) : "r"(factor), "r"(bytes), "r"(rest));
+    return as_float(sum);
 }
 
 // Loads three rows at once. A compiler loads each where it is first needed, and a warp some of

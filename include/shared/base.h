@@ -19,7 +19,12 @@
 #define SHARED_SIZE(name, bytes)                                                                   \
     typedef char name##_is_##bytes##_bytes[sizeof(struct name) == (bytes) ? 1 : -1]
 
+// A struct of four scalars that kernels read and write whole, as a row.
+#define SHARED_ROW __attribute__((aligned(16)))
+
 #else
+
+#define SHARED_ROW
 
 #if defined(__OPENCL_VERSION__) || defined(__OPENCL_C_VERSION__)
 #error "kernel builds pass -D DEVICE"

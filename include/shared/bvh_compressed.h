@@ -14,9 +14,9 @@
  *     planes[1]  lo.y 0-3  lo.y 4-7  hi.y 0-3  hi.y 4-7
  *     planes[2]  lo.z 0-3  lo.z 4-7  hi.z 0-3  hi.z 4-7
  *
- * A plane lies at origin + byte * 2^(exponent - 127 - BYTE_PLANE_SHIFT), m. `nodes` is the first of
- * the inner children's, which stand together in the order of their slots; `refs` the first of the
- * references of the node's leaves. References are those of the binary BVH (shared/bvh.h).
+ * A plane lies at origin + 2^(exponent - 127) * (1 + byte * 2^-BYTE_PLANE_SHIFT), m. `nodes` is the
+ * first of the inner children's, which stand together in the order of their slots; `refs` the first
+ * of the references of the node's leaves. References are those of the binary BVH (shared/bvh.h).
  *
  * A child stands in the slot, 0 .. 7, that best fits where it lies: a ray meets slots nearly in
  * order if it takes them by falling values of slot ^ k, where bit 0, 1 or 2 of k is set if it runs

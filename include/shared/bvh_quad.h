@@ -9,11 +9,12 @@
  *
  *                0         1         2         3
  *     grid       origin.x  origin.y  origin.z  scale.x
- *     planes[0]  lo.x      hi.x      lo.y      hi.y       a byte for each child, the first lowest
- *     planes[1]  lo.z      hi.z      scale.y   scale.z    bits of floats
+ *     planes[0]  x of 0, 1 x of 2, 3 y of 0, 1 y of 2, 3
+ *     planes[1]  z of 0, 1 z of 2, 3 scale.y   scale.z    bits of floats
  *     words      child 0   child 1   child 2   child 3
  *
- * A plane lies at origin + scale * byte * 2^-BYTE_PLANE_SHIFT, m (shared/byte_planes.h).
+ * A word of planes is, from its lowest byte on, lo and hi of one child and lo and hi of the next. A
+ * plane lies at origin + scale * (1 + byte * 2^-BYTE_PLANE_SHIFT), m (shared/byte_planes.h).
  *
  * A child word is that of the binary BVH (shared/bvh.h), but names a quad_node if it is >= 0.
  * Children that are not there stand last; their boxes end before they begin, and their words are

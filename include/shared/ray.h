@@ -23,7 +23,7 @@ struct ray {
 SHARED_SIZE(ray, 32);
 
 // The nearest hit of one ray.
-struct hit {
+struct SHARED_ROW hit {
     float t;       // distance along the ray, m
     float u;       // weight of the triangle's second vertex
     float v;       // weight of the third; the first has 1 - u - v

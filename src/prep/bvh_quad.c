@@ -37,8 +37,10 @@ static bool set_boxes(struct quad_node *out, const struct byte_boxes *boxes)
             return false;
         origins[axis] = planes.origin;
         scales[axis] = planes.scale;
-        memcpy(bytes[axis], planes.lo, QUAD_CHILDREN);
-        memcpy(bytes[axis] + QUAD_CHILDREN, planes.hi, QUAD_CHILDREN);
+        for (uint32_t i = 0; i < QUAD_CHILDREN; i++) {
+            bytes[axis][2 * i] = planes.lo[i];
+            bytes[axis][2 * i + 1] = planes.hi[i];
+        }
     }
     out->grid = (float4){origins[0], origins[1], origins[2], scales[0]};
     memcpy(out->planes, bytes, sizeof(bytes));

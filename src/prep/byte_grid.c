@@ -23,7 +23,7 @@ bool byte_grid_lay(struct byte_planes *out, const struct byte_boxes *boxes, int 
         most = fmaxf(most, boxes->hi[i][axis]);
     }
 
-    // An origin may be rounded down by as much as it is precise.
+    // An origin, 2^BYTE_PLANE_SHIFT cells below, may be rounded down by as much as it is precise.
     const double extent = (double)most - least + fabs(least) * 0x1p-22 + FLT_MIN;
     double exact = extent / CELLS * (1 << BYTE_PLANE_SHIFT);
     if (power_of_two)
@@ -32,10 +32,11 @@ bool byte_grid_lay(struct byte_planes *out, const struct byte_boxes *boxes, int 
         return false;
     out->scale = float_above(exact);
     const double cell = out->scale / (double)(1 << BYTE_PLANE_SHIFT);
-    out->origin = float_below(least - CELL_MARGIN * cell);
+    out->origin = float_below(least - CELL_MARGIN * cell - out->scale);
+    const double first = (double)out->origin + out->scale; // where byte 0 lies
     for (uint32_t i = 0; i < boxes->count; i++) {
-        const double lo = floor(((double)boxes->lo[i][axis] - out->origin) / cell - CELL_MARGIN);
-        const double hi = ceil(((double)boxes->hi[i][axis] - out->origin) / cell + CELL_MARGIN);
+        const double lo = floor(((double)boxes->lo[i][axis] - first) / cell - CELL_MARGIN);
+        const double hi = ceil(((double)boxes->hi[i][axis] - first) / cell + CELL_MARGIN);
         out->lo[i] = (unsigned char)fmax(lo, 0.0); // -1 if the quotient rounds
         out->hi[i] = (unsigned char)fmin(hi, 255.0);
     }

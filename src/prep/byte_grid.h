@@ -18,7 +18,7 @@ struct byte_boxes {
 
 /** Their planes across one axis. */
 struct byte_planes {
-    float origin, scale; // m; a plane lies at origin + byte * scale * 2^-BYTE_PLANE_SHIFT
+    float origin, scale; // m; a plane lies at origin + scale * (1 + byte * 2^-BYTE_PLANE_SHIFT)
     unsigned char lo[BYTE_GRID_BOXES], hi[BYTE_GRID_BOXES]; // [count of the boxes]
 };
 

@@ -82,8 +82,8 @@ static void load_quad(struct child *out, const struct quad_node *node, uint32_t 
     memcpy(words, &node->words, sizeof(words));
     for (int k = 0; k < 3; k++) {
         const double cell = ldexp((double)scale[k], -BYTE_PLANE_SHIFT);
-        out->lo[k] = origin[k] + cell * bytes[8 * k + (int)child];
-        out->hi[k] = origin[k] + cell * bytes[8 * k + 4 + (int)child];
+        out->lo[k] = (double)origin[k] + scale[k] + cell * bytes[8 * k + 2 * (int)child];
+        out->hi[k] = (double)origin[k] + scale[k] + cell * bytes[8 * k + 2 * (int)child + 1];
     }
     out->is_there = words[child] != QUAD_EMPTY;
     out->is_leaf = words[child] < 0;
@@ -101,8 +101,9 @@ static void load_compressed(struct child *out, const struct compressed_node *nod
     const uint32_t bits = meta[slot];
     for (int k = 0; k < 3; k++) {
         const double cell = ldexp(1.0, exponents[k] - 127 - BYTE_PLANE_SHIFT);
-        out->lo[k] = origin[k] + cell * bytes[16 * k + (int)slot];
-        out->hi[k] = origin[k] + cell * bytes[16 * k + 8 + (int)slot];
+        const double first = origin[k] + ldexp(1.0, exponents[k] - 127);
+        out->lo[k] = first + cell * bytes[16 * k + (int)slot];
+        out->hi[k] = first + cell * bytes[16 * k + 8 + (int)slot];
     }
     out->is_there = bits != 0;
     out->is_leaf = (bits & 0x18u) != 0x18u;
