@@ -14,6 +14,7 @@
 #include "render.h"
 #include "scene/gltf_import.h"
 #include "settings.h"
+#include "shared/bvh_wide.h"
 #include "shared/path.h"
 #include "shared/ray.h"
 
@@ -210,6 +211,10 @@ static enum status plan(struct render *render, const struct camera *camera)
         r->camera = *camera;
         r->chosen.width = camera->width;
         r->chosen.height = camera->height;
+        if (settings.queue == 0 && r->choice.fusion == FUSION_PATHS &&
+            r->chosen.bvh == LK_BVH_WIDE &&
+            render->scene->prepared.wide.block_count <= WIDE_FEW_BLOCKS)
+            r->chosen.queue = SETTINGS_QUEUE_PATHS;
         if (choice_has_layouts(&r->choice) &&
             !plan_fits(&r->chosen, render->scene, choice_layouts(&r->choice), camera, &r->gpu.info))
             renderer_narrow(r, &settings, render->scene);
