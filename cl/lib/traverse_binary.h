@@ -28,6 +28,13 @@
 #define BINARY_NEAR(lo, hi, axis) slab_near(lo, up.axis, MULADD(hi, down.axis, shift.axis))
 #define BINARY_FAR(lo, hi, axis)  MULADD(hi, up.axis, MULADD(lo, down.axis, shift.axis))
 
+// Where plane 0 is met. By the inverse direction as it is rounded: planes at the origin are then
+// met at tmin, whatever the unit, and boxes need no margin.
+static inline float3 binary_shift(const float3 org, const float3 inverse, const float tmin)
+{
+    return MULADD(-org, inverse, (float3)(-tmin));
+}
+
 // Finds what the ray hits between tmin, 0 at least, and tmax (lib/traverse.h).
 static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *scene,
                                           const float3 org, const float3 dir, const float tmin,
@@ -47,12 +54,12 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
     int leaf = 0; // child word of the leaf to test; 0: none, the root is no child
 
     // A plane that the ray meets from below counts by `up`, from above by `down`; the other is 0.
-    const float unit = 1.0f / slab_reach(tmax, tmin);
+    float unit = 1.0f / slab_reach(tmax, tmin);
     const float3 inverse = traverse_inverse(dir);
     const float3 none = (float3)(0.0f);
     float3 up = unit * fmax(inverse, none);
     float3 down = unit * fmin(inverse, none);
-    float3 shift = unit * (-org * inverse - tmin);
+    float3 shift = binary_shift(org, up + down, tmin * unit);
 
     while (node != TRAVERSE_DONE || leaf != 0) {
         const uint lanes = LEAF_LANES();
@@ -121,9 +128,10 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
         }
         if (!any_hit && hit.t < before) {
             const float shrink = slab_reach(before, tmin) / slab_reach(hit.t, tmin);
+            unit *= shrink;
             up *= shrink;
             down *= shrink;
-            shift *= shrink;
+            shift = binary_shift(org, up + down, tmin * unit);
         }
     }
     return traced_name(hit, scene);
