@@ -64,6 +64,17 @@ static inline struct byte_pick byte_pick(const bool back)
     return pick;
 }
 
+#if !WARP_VOTES
+
+// Of four boxes the planes whose bytes stand `shift` bits up, as byte_planes().
+static inline float4 byte_planes_at(const uint2 bytes, const uint shift)
+{
+    const uint4 shifted = (uint4)(bytes.x, bytes.x >> 16, bytes.y, bytes.y >> 16) >> shift;
+    return as_float4((shifted << 8 & 0xff00u) | BYTE_PLANES_ONE);
+}
+
+#endif
+
 // The planes of four boxes that a ray meets first, as byte_planes().
 static inline float4 byte_planes_near(const uint2 bytes, const struct byte_pick pick)
 {
@@ -73,8 +84,7 @@ static inline float4 byte_planes_near(const uint2 bytes, const struct byte_pick 
                     warp_pick(bytes.y, BYTE_PLANES_ONE, pick.near0),
                     warp_pick(bytes.y, BYTE_PLANES_ONE, pick.near1));
 #else
-    const uint4 shifted = (uint4)(bytes.x, bytes.x >> 16, bytes.y, bytes.y >> 16) >> pick.near;
-    return as_float4((shifted << 8 & 0xff00u) | BYTE_PLANES_ONE);
+    return byte_planes_at(bytes, pick.near);
 #endif
 }
 
@@ -87,8 +97,7 @@ static inline float4 byte_planes_far(const uint2 bytes, const struct byte_pick p
                     warp_pick_low(bytes.y, BYTE_PLANES_ONE, pick.far),
                     warp_pick_high(bytes.y, BYTE_PLANES_ONE, pick.far));
 #else
-    const uint4 shifted = (uint4)(bytes.x, bytes.x >> 16, bytes.y, bytes.y >> 16) >> pick.far;
-    return as_float4((shifted << 8 & 0xff00u) | BYTE_PLANES_ONE);
+    return byte_planes_at(bytes, pick.far);
 #endif
 }
 

@@ -1,8 +1,8 @@
 /**
  * @file
- * Slab tests of GPUs that count along the ray from tmin, 0, to a little past the best hit so far,
- * 1: products are cut off at 0 and 1 for free, where there were two more comparisons a box, and
- * misses are told by a sum and a product. What binds an H100 in a traversal are the units that
+ * Slab tests that count along the ray from tmin, 0, to a little past the best hit so far,
+ * 1: on GPUs products are cut off at 0 and 1 for free, where there were two more comparisons a box,
+ * and misses are told by a sum and a product. What binds an H100 in a traversal are the units that
  * compare and pick bits.
  */
 #ifndef LIB_SLAB_H
@@ -38,8 +38,8 @@ static inline float slab_near(const float a, const float b, const float c)
 
 // Where the ray enters a box, by where it meets its near and its far planes; SLAB_BEYOND or more if
 // it misses it.
-static inline float slab_enters(const float near_x, const float near_y, const float near_z,
-                                const float far_x, const float far_y, const float far_z)
+static inline float slab_enter_unit(const float near_x, const float near_y, const float near_z,
+                                    const float far_x, const float far_y, const float far_z)
 {
 #if DEVICE_CPU
     const float enter = slab_enter(near_x, near_y, near_z, 0.0f);

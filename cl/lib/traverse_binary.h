@@ -28,8 +28,8 @@
 #define BINARY_NEAR(lo, hi, axis) slab_near(lo, up.axis, MULADD(hi, down.axis, shift.axis))
 #define BINARY_FAR(lo, hi, axis)  MULADD(hi, up.axis, MULADD(lo, down.axis, shift.axis))
 
-// Where plane 0 is met. By the inverse direction as it is rounded: planes at the origin are then
-// met at tmin, whatever the unit, and boxes need no margin.
+// Where plane 0 is met. By the inverse direction as it is rounded, so that whatever the unit, a
+// plane through the origin is met where the ray begins: boxes have no margin.
 static inline float3 binary_shift(const float3 org, const float3 inverse, const float tmin)
 {
     return MULADD(-org, inverse, (float3)(-tmin));
@@ -73,13 +73,13 @@ static inline struct hit traverse_through(BVH_NODES nodes, const struct traced *
 
             // Intersect the ray with both children's slabs.
             const float enter0 =
-                slab_enters(BINARY_NEAR(row0.x, row0.y, x), BINARY_NEAR(row0.z, row0.w, y),
-                            BINARY_NEAR(row2.x, row2.y, z), BINARY_FAR(row0.x, row0.y, x),
-                            BINARY_FAR(row0.z, row0.w, y), BINARY_FAR(row2.x, row2.y, z));
+                slab_enter_unit(BINARY_NEAR(row0.x, row0.y, x), BINARY_NEAR(row0.z, row0.w, y),
+                                BINARY_NEAR(row2.x, row2.y, z), BINARY_FAR(row0.x, row0.y, x),
+                                BINARY_FAR(row0.z, row0.w, y), BINARY_FAR(row2.x, row2.y, z));
             const float enter1 =
-                slab_enters(BINARY_NEAR(row1.x, row1.y, x), BINARY_NEAR(row1.z, row1.w, y),
-                            BINARY_NEAR(row2.z, row2.w, z), BINARY_FAR(row1.x, row1.y, x),
-                            BINARY_FAR(row1.z, row1.w, y), BINARY_FAR(row2.z, row2.w, z));
+                slab_enter_unit(BINARY_NEAR(row1.x, row1.y, x), BINARY_NEAR(row1.z, row1.w, y),
+                                BINARY_NEAR(row2.z, row2.w, z), BINARY_FAR(row1.x, row1.y, x),
+                                BINARY_FAR(row1.z, row1.w, y), BINARY_FAR(row2.z, row2.w, z));
             const bool meets0 = enter0 < SLAB_BEYOND;
             const bool meets1 = enter1 < SLAB_BEYOND;
             const int child0 = as_int(row3.x);

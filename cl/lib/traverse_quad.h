@@ -57,7 +57,7 @@ static inline struct quad_child quad_child(const float near_x, const float near_
                                            const float far_z, const int word)
 {
     struct quad_child child;
-    child.enter = as_uint(slab_enters(near_x, near_y, near_z, far_x, far_y, far_z));
+    child.enter = as_uint(slab_enter_unit(near_x, near_y, near_z, far_x, far_y, far_z));
     child.word = word;
     return child;
 }

@@ -1,9 +1,13 @@
 /**
  * @file
- * A stack of child words in private memory.
+ * A stack of child words in private memory:
  *
- * Left to itself, NVIDIA's compiler keeps the place of each entry that may or may not be pushed in
- * a register of its own, which takes as many instructions as half of a quad node's slab tests.
+ *     stack_begin(entries, bottom)          puts one word on it
+ *     stack_push(entries, &top, word, does) pushes a word, if it does
+ *     stack_pop(entries, &top, word, does)  pops one, if it does; else that is the word given
+ *
+ * Left to itself, NVIDIA's compiler keeps a place for each entry that may or may not be pushed: 16
+ * of the 163 instructions that a quad node took.
  */
 #ifndef LIB_WORD_STACK_H
 #define LIB_WORD_STACK_H
@@ -52,14 +56,12 @@ static inline stack_top stack_begin(int *entries, const int bottom)
     return 0;
 }
 
-// Pushes a word, if it does.
 static inline void stack_push(int *entries, stack_top *top, const int word, const bool does)
 {
     if (does)
         entries[++*top] = word;
 }
 
-// Pops a word, if it does; else that is the one given.
 static inline int stack_pop(const int *entries, stack_top *top, const int word, const bool does)
 {
     return does ? entries[(*top)--] : word;

@@ -129,7 +129,7 @@ struct lk_settings {
     uint32_t leaf_size;    // no leaf has so many triangles, 2 .. 32; by the thesis's builder every
                            // node with fewer is one; default 8
     uint32_t seed;
-    uint32_t queue;        // paths in flight; 0: by the device
+    uint32_t queue;        // paths in flight; 0: by the device and the scene
     uint64_t memory_limit; // bytes on the device; 0: what the device has
     bool profile;          // time every kernel, each stage by itself
     bool no_cache;         // build kernels from source, and measure anew how to trace

@@ -9,8 +9,8 @@
  *
  *                0         1         2         3
  *     grid       origin.x  origin.y  origin.z  scale.x
- *     planes[0]  x of 0, 1 x of 2, 3 y of 0, 1 y of 2, 3
- *     planes[1]  z of 0, 1 z of 2, 3 scale.y   scale.z    bits of floats
+ *     planes[0]  x 0-1     x 2-3     y 0-1     y 2-3      of the children
+ *     planes[1]  z 0-1     z 2-3     scale.y   scale.z    bits of floats
  *     words      child 0   child 1   child 2   child 3
  *
  * A word of planes is, from its lowest byte on, lo and hi of one child and lo and hi of the next. A

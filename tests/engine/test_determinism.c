@@ -276,8 +276,6 @@ static void less_memory_shortens_the_queue_only(void **state)
     (void)state;
     skip_without_device();
     struct lk_settings settings = small_settings();
-    settings.trace = LK_TRACE_SIMPLE; // one form: otherwise there may be fewer to choose among
-    settings.bvh = LK_BVH_BINARY;
     struct lk_image *first = render(scene, &settings);
     const struct lk_memory memory = lk_image_info(first)->scene.memory;
     settings.memory_limit = memory.total_device - memory.rays / 2;
