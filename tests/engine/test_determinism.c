@@ -271,6 +271,18 @@ static void profile_and_cache_do_not_matter(void **state)
     assert_same_render(&plain, &other);
 }
 
+// Whether rays of every kind were traced in the same way.
+static bool is_traced_alike(const struct lk_image *first, const struct lk_image *second)
+{
+    const struct lk_tracing *a = lk_image_info(first)->devices[0].tracing;
+    const struct lk_tracing *b = lk_image_info(second)->devices[0].tracing;
+    bool alike = true;
+    for (int c = 0; c < LK_RAYS_COUNT; c++)
+        alike = alike && a[c].trace == b[c].trace && a[c].bvh == b[c].bvh;
+    return alike;
+}
+
+// Less memory may also leave a GPU fewer ways to trace, which may round otherwise.
 static void less_memory_shortens_the_queue_only(void **state)
 {
     (void)state;
@@ -283,7 +295,9 @@ static void less_memory_shortens_the_queue_only(void **state)
     const struct lk_render_info *info = lk_image_info(second);
     assert_true(info->settings.queue < lk_image_info(first)->settings.queue);
     assert_true(info->scene.memory.total_device <= settings.memory_limit);
-    assert_true(is_same_image(first, second));
+    if (strcmp(info->device.type, "cpu") == 0 || is_traced_alike(first, second))
+        assert_true(is_same_image(first, second));
+    assert_true(count_different(first, second) < 0.02 * 75 * 53);
     lk_image_free(second);
     lk_image_free(first);
 }
