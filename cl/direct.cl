@@ -46,7 +46,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
             const struct lanes_numbers chosen =
                 direct_lanes_numbers(settings, points, place, round);
             struct direct_lanes d;
-            uint left = hits.lambert | hits.others; // that have a light left
+            uint left = hits.together | hits.others; // that have a light left
             direct_lanes_begin(&d, settings, light_nodes, &hits.b, left, round, chosen.x);
             for (;;) {
                 left = direct_lanes_next(&d, settings, light_nodes, left);
@@ -59,7 +59,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
                 const lanes_float u0 = lanes_unit(numbers.y);
                 const lanes_float u1 = lanes_unit(numbers.z);
                 const struct direct_lanes_shadows drawn = direct_lanes_weigh(
-                    &d, lights, shapes, &scene.surface, left & hits.lambert, &hits.b, u0, u1);
+                    &d, lights, shapes, &scene.surface, left & hits.together, &hits.b, u0, u1);
                 struct shadow_lanes shadows;
                 shadow_lanes_set(&shadows, drawn.dir, drawn.reach, drawn.value, drawn.needed);
                 uint open = lanes_bits(drawn.needed);
@@ -85,7 +85,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void direct(
         }
         shadow_lanes_add(&hits, sum, paths);
         if (scatters != 0)
-            scatter_eight(&going, settings, batch, bounce, hits.slots, hits.lambert, hits.others,
+            scatter_eight(&going, settings, batch, bounce, hits.slots, hits.together, hits.others,
                           &hits.b, shades, rays, paths, points, places, counters, queue_out);
     }
     scatter_run_end(&going, counters, bounce, queue_out);

@@ -74,22 +74,22 @@ static inline struct shadow directional_draw(DIRECTIONAL_PARAMETERS, const uint 
 
 #if SHADE_LANES
 
-// As directional_draw(), for those of eight slots that have a bit: all are Lambert. Returns bits of
-// the rays that are needed.
+// As directional_draw(), for those of eight slots that have a bit. Returns bits of the rays that
+// are needed.
 static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_lanes *out,
                                           const uint k, const uint *slots, const uint bits,
-                                          const struct lambert_lanes *b)
+                                          const struct bsdf_lanes *b)
 {
     lanes_float weight = (lanes_float)(1.0f);
-    struct lanes3 dir, radiance;
-    lanes_float cosine;
+    lanes_float density; // with which bounces find these directions
+    struct lanes3 dir, radiance, value;
 #if ENV_MAP
     if (k == settings->directional_count) {
         const struct lanes_place place = lanes_place(batch, places, lanes_load(slots), bounce);
         const struct lanes_numbers numbers = lanes_draw(settings, points, place, place.sample,
                                                         RNG_USE_ENVIRONMENT, (lanes_uint)(0u));
         uint n[4][LANES];
-        float x[LANES], y[LANES], z[LANES], r[LANES], g[LANES], blue[LANES], density[LANES];
+        float x[LANES], y[LANES], z[LANES], r[LANES], g[LANES], blue[LANES], light[LANES];
         lanes_store(numbers.x, n[0]);
         lanes_store(numbers.y, n[1]);
         lanes_store(numbers.z, n[2]);
@@ -104,14 +104,13 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
             r[lane] = sampled.radiance.x;
             g[lane] = sampled.radiance.y;
             blue[lane] = sampled.radiance.z;
-            density[lane] = sampled.density;
+            light[lane] = sampled.density;
         }
         dir = lanes3_make(lanes_load(x), lanes_load(y), lanes_load(z));
         radiance = lanes3_make(lanes_load(r), lanes_load(g), lanes_load(blue));
-        cosine = lanes3_dot(b->normal, dir);
-        const lanes_float drawn = lanes_load(density);
-        weight =
-            (b->alone ? (lanes_float)(1.0f) : lanes_mis_weight(drawn, cosine * INV_PI)) / drawn;
+        value = bsdf_lanes_eval(&density, b, dir);
+        const lanes_float drawn = lanes_load(light);
+        weight = (b->alone ? (lanes_float)(1.0f) : lanes_mis_weight(drawn, density)) / drawn;
         weight = drawn > 0.0f ? weight : (lanes_float)(0.0f);
     } else
 #endif
@@ -121,12 +120,12 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
         dir = lanes3_make((lanes_float)(away.x), (lanes_float)(away.y), (lanes_float)(away.z));
         radiance =
             lanes3_make((lanes_float)(color.x), (lanes_float)(color.y), (lanes_float)(color.z));
-        cosine = lanes3_dot(b->normal, dir);
+        value = bsdf_lanes_eval(&density, b, dir);
     }
-    const struct lanes3 value =
-        lanes3_mul(lanes3_scale(b->diffuse, cosine * INV_PI * weight), radiance);
-    const lanes_int needed = (cosine > 0.0f) & (lanes3_dot(b->geometric, dir) > 0.0f) &
-                             (lanes3_max(value) > 0.0f) & lanes_mask(bits);
+    value = lanes3_mul(lanes3_scale(value, weight), radiance);
+    const lanes_int needed = (lanes3_dot(b->normal, dir) > 0.0f) &
+                             (lanes3_dot(b->geometric, dir) > 0.0f) & (lanes3_max(value) > 0.0f) &
+                             lanes_mask(bits);
     shadow_lanes_set(out, dir, (lanes_float)(FLT_MAX), value, needed);
     return lanes_bits(needed);
 }
@@ -154,7 +153,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
         for (uint k = 0; k < ray_count; k++) {
             struct shadow_lanes shadows;
             uint open = directional_draw_lanes(DIRECTIONAL_ARGUMENTS, &shadows, k, hits.slots,
-                                               hits.lambert, &hits.b);
+                                               hits.together, &hits.b);
             for (uint rest = hits.others; rest != 0; rest &= rest - 1) {
                 const uint slot = hits.slots[bits_lowest(rest)];
                 const struct bsdf b = bsdf_load(&rays[slot], &paths[slot], &shades[slot]);
@@ -168,7 +167,7 @@ __kernel __attribute__((reqd_work_group_size(WG_TRACE, 1, 1))) void directional(
         }
         shadow_lanes_add(&hits, sum, paths);
         if (scatters != 0)
-            scatter_eight(&going, settings, batch, bounce, hits.slots, hits.lambert, hits.others,
+            scatter_eight(&going, settings, batch, bounce, hits.slots, hits.together, hits.others,
                           &hits.b, shades, rays, paths, points, places, counters, queue_out);
     }
     scatter_run_end(&going, counters, bounce, queue_out);

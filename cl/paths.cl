@@ -144,8 +144,8 @@ static inline void paths_add_emission(struct paths_lanes *p, const struct paths_
 }
 
 // Shades what the rays of the lanes that have a bit have hit.
-static inline struct lambert_lanes paths_shade(struct paths_lanes *p, const struct paths_scene *s,
-                                               const uint bits, const struct few_hits *found)
+static inline struct bsdf_lanes paths_shade(struct paths_lanes *p, const struct paths_scene *s,
+                                            const uint bits, const struct few_hits *found)
 {
     // Find the points, and the sides that are seen.
     const struct few_surface *table = s->few_surface;
@@ -173,7 +173,8 @@ static inline struct lambert_lanes paths_shade(struct paths_lanes *p, const stru
         paths_add_emission(p, s, shining, side, cosine, found);
 
     // Turn the normals to the viewer; a shading normal that looks away is of no use.
-    struct lambert_lanes b;
+    struct bsdf_lanes b;
+    b.glossy = 0;
     const struct lanes4 geometric = LANES_OF(table->sides, side, .geometric);
     const struct lanes4 normal = LANES_OF(table->sides, side, .normal);
     b.geometric = lanes3_xyz(geometric);
@@ -194,8 +195,9 @@ static inline struct lambert_lanes paths_shade(struct paths_lanes *p, const stru
         struct material_lanes_hits h;
         material_lanes_see(&h, bits, few_name(found, s->few), &s->surface);
         const struct lanes4 base = LANES_OF(s->surface.materials, h.material, .base);
-        b.diffuse = few_round_color(lanes3_mul(
-            lanes3_xyz(base), texture_lanes_fetch(&h.base, h.textured, s->surface.texels)));
+        b.diffuse = few_round_color(
+            lanes3_mul(lanes3_xyz(base),
+                       lanes3_xyz(texture_lanes_fetch(&h.base, h.textured, s->surface.texels))));
     }
     b.throughput = p->throughput;
     if (measures) { // f = 1 / pi, so that pi times what leaves is the irradiance
@@ -210,7 +212,7 @@ static inline struct lambert_lanes paths_shade(struct paths_lanes *p, const stru
 
 // The light that comes by shadow rays to those hits that have a bit.
 static inline struct lanes3 paths_light(const struct paths_scene *s, const struct lanes_place place,
-                                        const struct lambert_lanes *b, const uint bits,
+                                        const struct bsdf_lanes *b, const uint bits,
                                         uint *shadow_rays)
 {
     const lanes_float zero = (lanes_float)(0.0f);
@@ -251,7 +253,7 @@ static inline uint paths_bounce(struct paths_lanes *p, const struct paths_scene 
     if (met == 0)
         return 0;
     const struct lanes_numbers numbers = scatter_lanes_numbers(s->settings, p->place, s->points);
-    const struct lambert_lanes b = paths_shade(p, s, met, &found);
+    const struct bsdf_lanes b = paths_shade(p, s, met, &found);
     const struct lanes3 sum = paths_light(s, p->place, &b, met, shadow_rays);
     const struct lanes3 lit = lanes3_add(p->radiance, lanes3_mul(b.throughput, sum));
     p->radiance = lanes3_select(lanes_mask(met), lit, p->radiance);

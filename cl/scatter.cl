@@ -29,11 +29,12 @@ __kernel __attribute__((reqd_work_group_size(WG_SCATTER, 1, 1))) void scatter(
     {
         uint slots[LANES];
         const uint used = shade_lanes_slots(slots, queue, i, count);
-        const uint lambert =
-            used & lambert_lanes_are(slots, PATH_SHADED, PATH_SHADED, paths, shades);
-        const struct lambert_lanes b = lambert_lanes_load(slots, rays, paths, shades);
-        scatter_eight(&going, settings, batch, bounce, slots, lambert, used & ~lambert, &b, shades,
-                      rays, paths, points, places, counters, queue_out);
+        const lanes_float bits = LANES_WORD(lanes_float, paths, slots, .throughput_bits.w);
+        const uint shaded = used & lanes_bits((lanes_as_uint(bits) & PATH_SHADED) != 0u);
+        struct bsdf_lanes b;
+        const uint together = bsdf_lanes_load(&b, slots, shaded, rays, paths, shades);
+        scatter_eight(&going, settings, batch, bounce, slots, together, used & ~together, &b,
+                      shades, rays, paths, points, places, counters, queue_out);
     }
     scatter_run_end(&going, counters, bounce, queue_out);
 #else

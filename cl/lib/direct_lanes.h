@@ -81,7 +81,7 @@ static inline bool direct_lanes_choose(struct direct_lanes *d, __constant struct
 // Lets those hits that have a bit choose lights.
 static inline void direct_lanes_begin(struct direct_lanes *d, __constant struct settings *settings,
                                       __global const float4 *light_nodes,
-                                      const struct lambert_lanes *b, uint bits, const uint round,
+                                      const struct bsdf_lanes *b, uint bits, const uint round,
                                       const lanes_uint numbers)
 {
     d->only = bits;
@@ -141,17 +141,18 @@ struct direct_lanes_shadows {
     lanes_int needed;
 };
 
-// As direct_weigh(), for those hits that have a bit: all are Lambert.
+// As direct_weigh(), for those hits that have a bit.
 static inline struct direct_lanes_shadows direct_lanes_weigh(
     const struct direct_lanes *d, __global const struct light *lights,
     __global const struct light_shape *shapes, const struct surface *surface, const uint bits,
-    const struct lambert_lanes *b, const lanes_float u0, const lanes_float u1)
+    const struct bsdf_lanes *b, const lanes_float u0, const lanes_float u1)
 {
     const struct light_lanes sampled =
         light_lanes_sample(lights, shapes, d->light, bits, surface, b->org, b->geometric, u0, u1);
     const lanes_float cosine = lanes3_dot(b->normal, sampled.dir);
-    const lanes_float density = cosine * INV_PI; // with which a bounce finds this direction
-    const struct lanes3 value = lanes3_mul(lanes3_scale(b->diffuse, density), sampled.radiance);
+    lanes_float density; // with which a bounce finds this direction
+    const struct lanes3 value =
+        lanes3_mul(bsdf_lanes_eval(&density, b, sampled.dir), sampled.radiance);
     const lanes_float times = sampled.density > 0.0f ? d->expected * sampled.density : d->expected;
     // mis_weight() / times
     const lanes_int is_shared = sampled.is_hittable & ~b->alone;

@@ -151,6 +151,17 @@ static inline void lanes_cos_sin_turn(lanes_float *cosine, lanes_float *sine, co
     *sine = lanes_as_float(lanes_as_int(y) ^ ((quarter & 2) << 30));
 }
 
+// frame_build()
+static inline void lanes_frame(struct lanes3 *tangent, struct lanes3 *bitangent,
+                               const struct lanes3 n)
+{
+    const lanes_float sign = copysign((lanes_float)(1.0f), n.z);
+    const lanes_float a = -1.0f / (sign + n.z);
+    const lanes_float b = n.x * n.y * a;
+    *tangent = lanes3_make(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    *bitangent = lanes3_make(b, sign + n.y * n.y * a, -n.y);
+}
+
 // sample_cosine()
 static inline struct lanes3 lanes_sample_cosine(const struct lanes3 n, const lanes_float u0,
                                                 const lanes_float u1)
@@ -161,13 +172,8 @@ static inline struct lanes3 lanes_sample_cosine(const struct lanes3 n, const lan
     const lanes_float x = r * cosine;
     const lanes_float y = r * sine;
     const lanes_float z = sqrt(1.0f - u0);
-
-    // The frame of frame_build().
-    const lanes_float sign = copysign((lanes_float)(1.0f), n.z);
-    const lanes_float a = -1.0f / (sign + n.z);
-    const lanes_float b = n.x * n.y * a;
-    const struct lanes3 tangent = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-    const struct lanes3 bitangent = {b, sign + n.y * n.y * a, -n.y};
+    struct lanes3 tangent, bitangent;
+    lanes_frame(&tangent, &bitangent, n);
     return lanes3_muladd(tangent, x, lanes3_muladd(bitangent, y, lanes3_scale(n, z)));
 }
 

@@ -1,16 +1,14 @@
 /**
  * @file
- * The material stage for eight hits side by side (cl/material.cl), on CPUs. Geometry, emission and
- * what is written are of all lanes; textures, and BSDFs of more than the Lambert term, are looked
- * up lane by lane.
+ * The material stage for eight hits side by side (cl/material.cl), on CPUs.
  */
 #ifndef LIB_MATERIAL_LANES_H
 #define LIB_MATERIAL_LANES_H
 
 #include "lib/bsdf.h"
+#include "lib/bsdf_lanes.h"
 #include "lib/hit_lanes.h"
 #include "lib/light_sampler.h"
-#include "lib/material_bsdf.h"
 #include "lib/shade_lanes.h"
 #include "lib/texture_lanes.h"
 #include "lib/texture_use.h"
@@ -32,25 +30,6 @@ struct material_lanes_hits {
     uint textured;             // bits of slots shaded here that have a texture of the base colour
     struct texture_lanes base; // where its texels are
 };
-
-// BSDFs, lane by lane.
-struct material_lanes_bsdf {
-    float diffuse_r[LANES], diffuse_g[LANES], diffuse_b[LANES];
-    float f0_r[LANES], f0_g[LANES], f0_b[LANES];
-    float f90[LANES], dielectric_f0[LANES];
-    float normal_x[LANES], normal_y[LANES], normal_z[LANES];
-    uint bits[LANES]; // of path.throughput_bits.w
-};
-
-// A lane's texture coordinates.
-static inline float4 material_lanes_uv(const struct surface *s, const struct material_lanes_hits *h,
-                                       const uint k)
-{
-    const lanes_float u = h->u;
-    const lanes_float v = h->v;
-    return surface_blend(s->vertices[h->v0[k]].uv, s->vertices[h->v1[k]].uv,
-                         s->vertices[h->v2[k]].uv, ((const float *)&u)[k], ((const float *)&v)[k]);
-}
 
 // The texture coordinates of all lanes.
 static inline struct lanes4 material_lanes_all_uv(const struct surface *s,
@@ -99,8 +78,7 @@ static inline void material_lanes_see(struct material_lanes_hits *h, const uint 
     h->missed = used & ~met;
     h->own = met & lanes_bits((h->flags & MATERIAL_EXTRAS) == 0u);
     h->others = met & ~h->own;
-    h->textured = h->own & lanes_bits((h->flags & MATERIAL_LAMBERT) != 0u) &
-                  material_lanes_textured(s, h, TEXTURE_BASE);
+    h->textured = h->own & material_lanes_textured(s, h, TEXTURE_BASE);
     if (h->textured == 0)
         return;
     texture_lanes_find(&h->base, s->materials, h->material, TEXTURE_BASE, h->textured,
@@ -120,57 +98,20 @@ static inline void material_lanes_meet(struct material_lanes_hits *h,
     material_lanes_see(h, used, LANES_OF(((__global const float4 *)hits), h->slots, ), s);
 }
 
-// Multiplies the emission of those lanes that have a bit with its texture.
-static inline struct lanes3 material_lanes_emission(const struct surface *s,
-                                                    const struct material_lanes_hits *h,
-                                                    const uint bits, const struct lanes3 emission)
+// Looks up the textures of this use of those lanes that have a bit; 1, 1, 1, 1 in others, and where
+// there is none.
+static inline struct lanes4 material_lanes_fetch(const struct surface *s,
+                                                 const struct material_lanes_hits *h,
+                                                 const uint bits, const uint use)
 {
-    if (bits == 0)
-        return emission;
+    const lanes_float one = (lanes_float)(1.0f);
+    const uint textured = bits & material_lanes_textured(s, h, use);
+    if (textured == 0)
+        return lanes4_make(lanes3_make(one, one, one), one);
     struct texture_lanes lanes;
-    texture_lanes_find(&lanes, s->materials, h->material, TEXTURE_EMISSIVE, bits,
+    texture_lanes_find(&lanes, s->materials, h->material, use, textured,
                        material_lanes_all_uv(s, h));
-    return lanes3_mul(emission, texture_lanes_fetch(&lanes, bits, s->texels));
-}
-
-// Looks up one lane that is more than Lambert.
-//
-//   out  normals are bent where they have to be
-static inline void material_lanes_look_up(struct material_lanes_bsdf *out,
-                                          __constant struct settings *settings, const bool last,
-                                          const struct surface *s,
-                                          const struct material_lanes_hits *h, const uint k,
-                                          const float3 geometric, const float3 view)
-{
-    const float4 uv = material_lanes_uv(s, h, k);
-    __global const struct material *material = &s->materials[h->material[k]];
-    struct texture_values values;
-    values.base = texture_fetch_pool(s->texels, &material->textures[TEXTURE_BASE], uv);
-    values.surface = texture_fetch_pool(s->texels, &material->textures[TEXTURE_SURFACE], uv);
-    values.specular = texture_fetch_pool(s->texels, &material->textures[TEXTURE_SPECULAR], uv);
-    values.specular_color =
-        texture_fetch_pool(s->texels, &material->textures[TEXTURE_SPECULAR_COLOR], uv);
-
-    struct bsdf b;
-    b.view = view;
-    b.geometric = geometric;
-    b.normal = (float3)(out->normal_x[k], out->normal_y[k], out->normal_z[k]);
-    material_bsdf(&b, material, &values, (float4)(1.0f));
-    if (luminance(b.f0) > luminance(b.diffuse))
-        b.normal = bsdf_bend_normal(&b);
-    const bool bounces = !last || (settings->emitter_count != 0 && !bsdf_is_lambert(&b));
-    out->diffuse_r[k] = b.diffuse.x;
-    out->diffuse_g[k] = b.diffuse.y;
-    out->diffuse_b[k] = b.diffuse.z;
-    out->f0_r[k] = b.f0.x;
-    out->f0_g[k] = b.f0.y;
-    out->f0_b[k] = b.f0.z;
-    out->f90[k] = b.f90;
-    out->dielectric_f0[k] = b.dielectric_f0;
-    out->normal_x[k] = b.normal.x;
-    out->normal_y[k] = b.normal.y;
-    out->normal_z[k] = b.normal.z;
-    out->bits[k] = PATH_SHADED | (bounces ? 0u : PATH_NO_BOUNCE) | bsdf_bits(&b);
+    return texture_lanes_fetch(&lanes, textured, s->texels);
 }
 
 // Hits that are shaded.
@@ -182,6 +123,130 @@ struct material_lanes_shaded {
     struct lanes3 throughput, radiance; // of their paths
     lanes_uint bits;                    // of path.throughput_bits.w
 };
+
+// Turns the normals of those lanes that have a bit as bsdf_bend_normal() does.
+static inline struct lanes3 material_lanes_bend(const struct lanes3 normal, uint bits,
+                                                const struct lanes3 geometric,
+                                                const struct lanes3 dir)
+{
+    float n[3][LANES], g[3][LANES], d[3][LANES];
+    struct lanes3 out = normal;
+    lanes_store(normal.x, n[0]);
+    lanes_store(normal.y, n[1]);
+    lanes_store(normal.z, n[2]);
+    lanes_store(geometric.x, g[0]);
+    lanes_store(geometric.y, g[1]);
+    lanes_store(geometric.z, g[2]);
+    lanes_store(dir.x, d[0]);
+    lanes_store(dir.y, d[1]);
+    lanes_store(dir.z, d[2]);
+    for (; bits != 0; bits &= bits - 1) {
+        const uint k = bits_lowest(bits);
+        struct bsdf b;
+        b.normal = (float3)(n[0][k], n[1][k], n[2][k]);
+        b.geometric = (float3)(g[0][k], g[1][k], g[2][k]);
+        b.view = -(float3)(d[0][k], d[1][k], d[2][k]);
+        out = lanes3_put(out, k, bsdf_bend_normal(&b));
+    }
+    return out;
+}
+
+// Finds the BSDFs of those lanes that have a bit, which are more than Lambert: material_bsdf() of
+// lib/material_bsdf.h. The base colour is in out->diffuse, where the diffuse one is left.
+//
+//   last  no ray follows that is lit
+static inline void material_lanes_bsdf(struct material_lanes_shaded *out, const uint own,
+                                       __constant struct settings *settings, const bool last,
+                                       const struct surface *s, const struct material_lanes_hits *h,
+                                       const struct lanes3 dir)
+{
+    const lanes_float zero = (lanes_float)(0.0f);
+    const lanes_float one = (lanes_float)(1.0f);
+    const lanes_int mask = lanes_mask(own);
+    const struct lanes3 base = out->diffuse;
+    const struct lanes4 surface = material_lanes_fetch(s, h, own, TEXTURE_SURFACE);
+    const struct lanes4 factor = LANES_OF(s->materials, h->material, .specular);
+    const struct lanes3 tint = lanes3_xyz(factor);
+
+    // Metallic-roughness.
+    const lanes_float metallic =
+        LANES_WORD(lanes_float, s->materials, h->material, .metallic) * surface.z;
+    lanes_float roughness =
+        LANES_WORD(lanes_float, s->materials, h->material, .roughness) * surface.y;
+    const lanes_float strength = factor.w * material_lanes_fetch(s, h, own, TEXTURE_SPECULAR).w;
+    const struct lanes3 color =
+        lanes3_mul(tint, lanes3_xyz(material_lanes_fetch(s, h, own, TEXTURE_SPECULAR_COLOR)));
+    const struct lanes3 dielectric = lanes3_make(lanes_min(0.04f * color.x, one) * strength,
+                                                 lanes_min(0.04f * color.y, one) * strength,
+                                                 lanes_min(0.04f * color.z, one) * strength);
+    struct lanes3 diffuse = lanes3_scale(base, 1.0f - metallic);
+    struct lanes3 f0 = lanes3_muladd(lanes3_sub(base, dielectric), metallic, dielectric);
+    lanes_float f90 = MULADD(1.0f - strength, metallic, strength);
+    lanes_float dielectric_f0 = lanes3_max(dielectric);
+    lanes_float dielectric_f90 = strength;
+
+    // Specular-glossiness.
+    const lanes_int is_glossiness = (h->flags & MATERIAL_SPECULAR_GLOSSINESS) != 0u;
+    if ((own & lanes_bits(is_glossiness)) != 0) {
+        const struct lanes3 specular = lanes3_mul(tint, lanes3_xyz(surface));
+        const lanes_float most = lanes3_max(specular);
+        const lanes_float glossiness =
+            LANES_WORD(lanes_float, s->materials, h->material, .glossiness) * surface.w;
+        const lanes_float reflects = most > 0.0f ? one : zero;
+#if BRDF_PHONG
+        const struct lanes3 rest = base;
+#else
+        const struct lanes3 rest = lanes3_scale(base, 1.0f - most);
+#endif
+        diffuse = lanes3_select(is_glossiness, rest, diffuse);
+        f0 = lanes3_select(is_glossiness, specular, f0);
+        f90 = is_glossiness ? reflects : f90;
+        dielectric_f0 = is_glossiness ? most : dielectric_f0;
+        dielectric_f90 = is_glossiness ? reflects : dielectric_f90;
+        roughness = is_glossiness ? 1.0f - glossiness : roughness;
+    }
+
+    // bsdf_bits(), with the roughness that bsdf_alpha() makes of this.
+#if BRDF_PHONG
+    f90 = zero;
+    const lanes_uint mirror = roughness <= 0.0f ? (lanes_uint)(PATH_MIRROR) : (lanes_uint)(0u);
+    const lanes_float rough = lanes_max(roughness, (lanes_float)(1e-3f));
+#else
+    const lanes_uint mirror = (lanes_uint)(0u);
+    const lanes_float rough =
+        sqrt(lanes_max(roughness * roughness, (lanes_float)(MATERIAL_SMOOTH)));
+#endif
+    lanes_int lobe = (lanes3_max(f0) > 0.0f) | (f90 > 0.0f); // not bsdf_is_lambert()
+#if LAYERS
+    lobe |= dielectric_f90 > 0.0f;
+#endif
+    const lanes_int bounces =
+        last ? lobe & (lanes_int)(settings->emitter_count != 0 ? -1 : 0) : (lanes_int)(-1);
+    const lanes_uint bits =
+        PATH_SHADED | (bounces ? (lanes_uint)(0u) : (lanes_uint)(PATH_NO_BOUNCE)) | mirror |
+        lanes_as_uint(lanes_to_int(
+            MULADD(lanes_min(lanes_max(dielectric_f90, zero), one), zero + 255.0f, zero + 0.5f)))
+            << PATH_F90_SHIFT |
+        lanes_as_uint(lanes_to_int(MULADD(lanes_min(rough, one), zero + 65535.0f, zero + 0.5f)))
+            << PATH_ROUGHNESS_SHIFT;
+
+    // Metals are bent where what they mirror would be below the surface.
+    const lanes_float nov = -lanes3_dot(out->normal, dir);
+    const lanes_float view_z = -lanes3_dot(out->geometric, dir);
+    const lanes_float mirrored_z = // of 2 (N V) N - V
+        MULADD(2.0f * nov, lanes3_dot(out->normal, out->geometric), -view_z);
+    const lanes_int below = mirrored_z < lanes_min(0.9f * view_z, zero + 0.025f);
+    const lanes_int is_metal = bsdf_lanes_luminance(f0) > bsdf_lanes_luminance(diffuse);
+    const uint bent = own & lanes_bits(below & is_metal);
+    if (bent != 0)
+        out->normal = material_lanes_bend(out->normal, bent, out->geometric, dir);
+
+    out->diffuse = lanes3_select(mask, diffuse, base);
+    out->f0 = lanes3_select(mask, f0, out->f0);
+    out->f90 = mask ? f90 : out->f90;
+    out->dielectric_f0 = mask ? dielectric_f0 : out->dielectric_f0;
+    out->bits = mask ? bits : out->bits;
+}
 
 // Shades those of the eight that are shaded here.
 //
@@ -224,8 +289,8 @@ static inline void material_lanes_shade(
         (front | ((flags & MATERIAL_EMITS_BACK) != 0u)) & (lanes3_max(emission) > 0.0f);
     const uint shining = measures ? 0u : own & lanes_bits(shines);
     if (shining != 0) {
-        emission = material_lanes_emission(
-            s, h, shining & material_lanes_textured(s, h, TEXTURE_EMISSIVE), emission);
+        emission =
+            lanes3_mul(emission, lanes3_xyz(material_lanes_fetch(s, h, shining, TEXTURE_EMISSIVE)));
         const uint met_by_light =
             shining & lanes_bits((path_bits & PATH_SPECULAR) == 0u); // may be found by lights
         const struct lanes4 org = LANES_OF(rays, slots, .org);
@@ -249,64 +314,29 @@ static inline void material_lanes_shade(
     // Find their BSDFs.
     const struct lanes4 base = LANES_OF(s->materials, h->material, .base);
     const uint lambert = measures ? LANES_ALL : lanes_bits((flags & MATERIAL_LAMBERT) != 0u);
-    struct lanes3 diffuse = lanes3_xyz(base);
-    struct lanes3 f0 = {0.0f, 0.0f, 0.0f};
-    lanes_float f90 = (lanes_float)(0.0f);
-    lanes_float dielectric_f0 = (lanes_float)(0.0f);
-    lanes_uint bits = (lanes_uint)(PATH_SHADED | (last ? PATH_NO_BOUNCE : 0u));
-    if (measures) { // f = 1 / pi, so that pi times what leaves is the irradiance
-        diffuse = lanes3_make(1.0f, 1.0f, 1.0f);
-        throughput = lanes3_scale(throughput, PI);
-    } else if (h->textured != 0) {
-        diffuse = lanes3_mul(diffuse, texture_lanes_fetch(&h->base, h->textured, s->texels));
-    }
-    if (own & ~lambert) {
-        struct material_lanes_bsdf b;
-        float g[3][LANES], d[3][LANES];
-        lanes_store(diffuse.x, b.diffuse_r);
-        lanes_store(diffuse.y, b.diffuse_g);
-        lanes_store(diffuse.z, b.diffuse_b);
-        lanes_store(f0.x, b.f0_r);
-        lanes_store(f0.y, b.f0_g);
-        lanes_store(f0.z, b.f0_b);
-        lanes_store(f90, b.f90);
-        lanes_store(dielectric_f0, b.dielectric_f0);
-        lanes_store(normal.x, b.normal_x);
-        lanes_store(normal.y, b.normal_y);
-        lanes_store(normal.z, b.normal_z);
-        lanes_store(bits, b.bits);
-        lanes_store(geometric.x, g[0]);
-        lanes_store(geometric.y, g[1]);
-        lanes_store(geometric.z, g[2]);
-        lanes_store(dir.x, d[0]);
-        lanes_store(dir.y, d[1]);
-        lanes_store(dir.z, d[2]);
-        for (uint rest = own & ~lambert; rest != 0; rest &= rest - 1) {
-            const uint k = bits_lowest(rest);
-            material_lanes_look_up(&b, settings, last, s, h, k, (float3)(g[0][k], g[1][k], g[2][k]),
-                                   -(float3)(d[0][k], d[1][k], d[2][k]));
-        }
-        diffuse =
-            lanes3_make(lanes_load(b.diffuse_r), lanes_load(b.diffuse_g), lanes_load(b.diffuse_b));
-        f0 = lanes3_make(lanes_load(b.f0_r), lanes_load(b.f0_g), lanes_load(b.f0_b));
-        f90 = lanes_load(b.f90);
-        dielectric_f0 = lanes_load(b.dielectric_f0);
-        normal =
-            lanes3_make(lanes_load(b.normal_x), lanes_load(b.normal_y), lanes_load(b.normal_z));
-        bits = lanes_load(b.bits);
-    }
-
-    // Those of paths that only collect emission are not lit.
+    const lanes_float zero = (lanes_float)(0.0f);
     out->org = hit_lanes_offset(p, geometric);
     out->geometric = geometric;
     out->normal = normal;
-    out->diffuse = diffuse;
-    out->f0 = f0;
-    out->f90 = f90;
-    out->dielectric_f0 = dielectric_f0;
+    out->diffuse = lanes3_xyz(base);
+    out->f0 = lanes3_make(zero, zero, zero);
+    out->f90 = zero;
+    out->dielectric_f0 = zero;
+    out->bits = (lanes_uint)(PATH_SHADED | (last ? PATH_NO_BOUNCE : 0u));
+    if (measures) { // f = 1 / pi, so that pi times what leaves is the irradiance
+        out->diffuse = lanes3_make(zero + 1.0f, zero + 1.0f, zero + 1.0f);
+        throughput = lanes3_scale(throughput, PI);
+    } else if (h->textured != 0) {
+        out->diffuse = lanes3_mul(
+            out->diffuse, lanes3_xyz(texture_lanes_fetch(&h->base, h->textured, s->texels)));
+    }
+    if (own & ~lambert)
+        material_lanes_bsdf(out, own & ~lambert, settings, last, s, h, dir);
+
+    // Those of paths that only collect emission are not lit.
     out->throughput = throughput;
     out->radiance = radiance;
-    out->bits = (path_bits & PATH_COLLECT) != 0u ? (lanes_uint)(0u) : bits;
+    out->bits = (path_bits & PATH_COLLECT) != 0u ? (lanes_uint)(0u) : out->bits;
 }
 
 // Shades those of the eight that are shaded here and writes them, and ends the paths of those that

@@ -1,10 +1,10 @@
 /**
  * @file
  * The direction in which a path goes on from its shaded hit, and its place in the next bounce's
- * queue: of one path, and on CPUs, where nothing but the Lambert term is left, of eight side by
- * side. For the stage that adds the last light, where the hit is at hand, and for cl/scatter.cl
- * where there is none. An H100 renders the Cornell box 23 % faster than with a launch of its own
- * and three that compact the queue, Sponza 6 %, Sibenik 8 %.
+ * queue: of one path, and on CPUs of eight side by side. For the stage that adds the last light,
+ * where the hit is at hand, and for cl/scatter.cl where there is none. An H100 renders the Cornell
+ * box 23 % faster than with a launch of its own and three that compact the queue, Sponza 6 %,
+ * Sibenik 8 %.
  *
  * What is computed does not depend on the order of a queue, so paths line up as they are done:
  * neighbours stay together, runs of them come in any order.
@@ -13,8 +13,8 @@
 #define LIB_SCATTER_H
 
 #include "lib/bsdf.h"
+#include "lib/bsdf_lanes.h"
 #include "lib/samples.h"
-#include "lib/shade_lanes.h"
 
 // The bits of a path that goes on.
 static inline uint scatter_flags(__constant struct settings *settings, const uint bounce)
@@ -82,18 +82,25 @@ static inline struct lanes_numbers scatter_lanes_numbers(__constant struct setti
     return lanes_draw(settings, points, place, place.sample, RNG_USE_BSDF, (lanes_uint)(0u));
 }
 
-// As scatter_slot(), for paths that are Lambert.
+// As scatter_slot(), for paths whose BSDFs are in b.
 static inline struct scatter_lanes scatter_lanes_sample(__constant struct settings *settings,
                                                         const struct lanes_place place,
                                                         const struct lanes_numbers numbers,
-                                                        const struct lambert_lanes *b)
+                                                        const struct bsdf_lanes *b)
 {
     struct scatter_lanes out;
-    out.dir = lanes_sample_cosine(b->normal, lanes_unit(numbers.y), lanes_unit(numbers.z));
-    const lanes_float cosine = lanes3_dot(out.dir, b->normal);
-    const lanes_int above = (cosine > 0.0f) & (lanes3_dot(out.dir, b->geometric) > 0.0f);
-    out.density = cosine * INV_PI;
-    out.throughput = lanes3_mul(b->throughput, b->diffuse);
+    out.dir =
+        bsdf_lanes_draw(b, lanes_unit(numbers.x), lanes_unit(numbers.y), lanes_unit(numbers.z));
+    const lanes_int above =
+        (lanes3_dot(out.dir, b->normal) > 0.0f) & (lanes3_dot(out.dir, b->geometric) > 0.0f);
+    const struct lanes3 value = bsdf_lanes_eval(&out.density, b, out.dir);
+
+    // Cosine sampling of Lambert leaves nothing but the colour: the cosine rides out.
+    struct lanes3 weight = b->diffuse;
+    if (b->glossy != 0)
+        weight =
+            lanes3_select(lanes_mask(b->glossy), lanes3_scale(value, 1.0f / out.density), weight);
+    out.throughput = lanes3_mul(b->throughput, weight);
     const lanes_float most = lanes3_max(out.throughput);
 
     // Russian roulette as there.
@@ -108,11 +115,11 @@ static inline struct scatter_lanes scatter_lanes_sample(__constant struct settin
     return out;
 }
 
-// As scatter_slot(), for those of eight slots that have a bit: all are Lambert, and may go on.
-// Returns bits of those that do.
+// As scatter_slot(), for those of eight slots that have a bit: all may go on. Returns bits of those
+// that do.
 static inline uint scatter_lanes(__constant struct settings *settings, const uint bounce,
                                  const struct lanes_place place, const uint *slots, const uint bits,
-                                 const struct lambert_lanes *b, __global struct ray *restrict rays,
+                                 const struct bsdf_lanes *b, __global struct ray *restrict rays,
                                  __global struct path *restrict paths,
                                  __global const uint4 *restrict points)
 {
@@ -144,21 +151,21 @@ static inline void scatter_run_end(struct scatter_run *run, __global struct coun
     run->count = 0;
 }
 
-// Sends those of eight slots on that have a bit; b are those that are Lambert.
+// Sends those of eight slots on that have a bit, those together whose BSDFs are in b.
 static inline void scatter_eight(
     struct scatter_run *run, __constant struct settings *settings, const struct batch batch,
-    const uint bounce, const uint *slots, const uint lambert, const uint others,
-    const struct lambert_lanes *b, __global const struct shade *restrict shades,
+    const uint bounce, const uint *slots, const uint together, const uint others,
+    const struct bsdf_lanes *b, __global const struct shade *restrict shades,
     __global struct ray *restrict rays, __global struct path *restrict paths,
     __global const uint4 *restrict points, __global const uint *restrict places,
     __global struct counters *counters, __global uint *restrict queue_out)
 {
-    const uint alone = lambert & lanes_bits(b->alone); // these end here
+    const uint alone = together & lanes_bits(b->alone); // these end here
     uint going = 0;
-    if (lambert != alone)
+    if (together != alone)
         going =
             scatter_lanes(settings, bounce, lanes_place(batch, places, lanes_load(slots), bounce),
-                          slots, lambert & ~alone, b, rays, paths, points);
+                          slots, together & ~alone, b, rays, paths, points);
     for (uint rest = others | alone; rest != 0; rest &= rest - 1) {
         const uint k = bits_lowest(rest);
         if (scatter_slot(settings, batch, bounce, slots[k], shades, rays, paths, points, places))

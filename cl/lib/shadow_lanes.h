@@ -5,8 +5,8 @@
 #ifndef LIB_SHADOW_LANES_H
 #define LIB_SHADOW_LANES_H
 
+#include "lib/bsdf_lanes.h"
 #include "lib/queue.h"
-#include "lib/shade_lanes.h"
 #include "lib/traverse.h"
 
 #define SHADOW_REACH 0.9999f // part of the way to a light that must be free; the rest is its own
@@ -47,9 +47,9 @@ struct shadow_lanes {
 // Eight hits to light.
 struct shadow_lanes_hits {
     uint slots[LANES];
-    uint lambert; // bits of those that have nothing but the Lambert term
-    uint others;  // bits of the rest that is to be lit
-    struct lambert_lanes b;
+    uint together; // bits of those that are lit side by side, by what is in b
+    uint others;   // bits of the rest that is to be lit
+    struct bsdf_lanes b;
 };
 
 // Goes through a queue by eights: i is the place of the first.
@@ -73,9 +73,8 @@ static inline bool shadow_lanes_load(struct shadow_lanes_hits *out, __global con
     const uint shaded = used & lanes_bits((lanes_as_uint(bits) & PATH_SHADED) != 0u);
     if (shaded == 0)
         return false;
-    out->lambert = shaded & lambert_lanes_are(out->slots, 0, 0, paths, shades);
-    out->others = shaded & ~out->lambert;
-    out->b = lambert_lanes_load(out->slots, rays, paths, shades);
+    out->together = bsdf_lanes_load(&out->b, out->slots, shaded, rays, paths, shades);
+    out->others = shaded & ~out->together;
     return true;
 }
 
@@ -149,7 +148,7 @@ static inline void shadow_lanes_add(const struct shadow_lanes_hits *hits, const 
 {
     const struct lanes4 radiance = LANES_OF(paths, hits->slots, .radiance_normal);
     const struct lanes3 came = lanes3_mul(hits->b.throughput, sum);
-    LANES_STORE(paths, hits->slots, .radiance_normal, hits->lambert | hits->others,
+    LANES_STORE(paths, hits->slots, .radiance_normal, hits->together | hits->others,
                 lanes4_make(lanes3_add(lanes3_xyz(radiance), came), radiance.w));
 }
 

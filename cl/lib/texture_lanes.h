@@ -18,6 +18,11 @@ struct texture_lanes {
     lanes_int srgb;
 };
 
+// Four texels of each lane.
+struct texture_lanes_texels {
+    lanes_uint near_near, far_near, near_far, far_far;
+};
+
 // The texels of one axis: struct texture_taps.
 struct texture_lanes_taps {
     lanes_int near, far;
@@ -135,31 +140,32 @@ static inline lanes_float texture_lanes_decode(const lanes_uint texel, const uin
 
 // Filters one channel of four texels.
 static inline lanes_float texture_lanes_blend(const struct texture_lanes *lanes,
-                                              const lanes_uint t00, const lanes_uint t10,
-                                              const lanes_uint t01, const lanes_uint t11,
-                                              const uint shift)
+                                              const struct texture_lanes_texels *t,
+                                              const uint shift, const lanes_int srgb)
 {
-    const lanes_float top = mix(texture_lanes_decode(t00, shift, lanes->srgb),
-                                texture_lanes_decode(t10, shift, lanes->srgb), lanes->x);
-    const lanes_float bottom = mix(texture_lanes_decode(t01, shift, lanes->srgb),
-                                   texture_lanes_decode(t11, shift, lanes->srgb), lanes->x);
+    const lanes_float top = mix(texture_lanes_decode(t->near_near, shift, srgb),
+                                texture_lanes_decode(t->far_near, shift, srgb), lanes->x);
+    const lanes_float bottom = mix(texture_lanes_decode(t->near_far, shift, srgb),
+                                   texture_lanes_decode(t->far_far, shift, srgb), lanes->x);
     return mix(top, bottom, lanes->y);
 }
 
-// The colours of the texels that were found; 1, 1, 1 in lanes without a bit.
-static inline struct lanes3 texture_lanes_fetch(const struct texture_lanes *lanes, const uint bits,
+// The values of the texels that were found; 1, 1, 1, 1 in lanes without a bit.
+static inline struct lanes4 texture_lanes_fetch(const struct texture_lanes *lanes, const uint bits,
                                                 __global const uint *texels)
 {
-    const lanes_uint t00 = LANES_WORD(lanes_uint, texels, lanes->near_near, );
-    const lanes_uint t10 = LANES_WORD(lanes_uint, texels, lanes->far_near, );
-    const lanes_uint t01 = LANES_WORD(lanes_uint, texels, lanes->near_far, );
-    const lanes_uint t11 = LANES_WORD(lanes_uint, texels, lanes->far_far, );
+    struct texture_lanes_texels t;
+    t.near_near = LANES_WORD(lanes_uint, texels, lanes->near_near, );
+    t.far_near = LANES_WORD(lanes_uint, texels, lanes->far_near, );
+    t.near_far = LANES_WORD(lanes_uint, texels, lanes->near_far, );
+    t.far_far = LANES_WORD(lanes_uint, texels, lanes->far_far, );
+    const lanes_int own = lanes_mask(bits);
     const lanes_float one = (lanes_float)(1.0f);
-    return lanes3_select(lanes_mask(bits),
-                         lanes3_make(texture_lanes_blend(lanes, t00, t10, t01, t11, 0),
-                                     texture_lanes_blend(lanes, t00, t10, t01, t11, 8),
-                                     texture_lanes_blend(lanes, t00, t10, t01, t11, 16)),
-                         lanes3_make(one, one, one));
+    const lanes_float x = texture_lanes_blend(lanes, &t, 0, lanes->srgb);
+    const lanes_float y = texture_lanes_blend(lanes, &t, 8, lanes->srgb);
+    const lanes_float z = texture_lanes_blend(lanes, &t, 16, lanes->srgb);
+    const lanes_float w = texture_lanes_blend(lanes, &t, 24, (lanes_int)(0)); // always linear
+    return lanes4_make(lanes3_make(own ? x : one, own ? y : one, own ? z : one), own ? w : one);
 }
 
 #endif
