@@ -136,14 +136,14 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #endif
     };
 #if MATERIAL_LANES
-    const struct surface surface = scene.surface;
     struct material_lanes_hits eights[2]; // in turns: what the one that is shaded has hit, and the
                                           // next one
     SHADE_LANES_LOOP(place, end)
     {
         const struct material_lanes_hits *eight = &eights[(place / LANES) & 1u];
         if (place % SHADE_RUN == 0)
-            material_lanes_meet(&eights[(place / LANES) & 1u], order, place, end, hits, &surface);
+            material_lanes_meet(&eights[(place / LANES) & 1u], order, place, end, hits,
+                                &scene.surface);
 #if PREFETCHES
         if (settings->triangle_count > WARM_LEAST)
             for (uint i = place; i < place + LANES; i++)
@@ -151,9 +151,8 @@ __kernel __attribute__((reqd_work_group_size(WG_MATERIAL, 1, 1))) void material(
 #endif
         if ((place + LANES) % SHADE_RUN != 0 && place + LANES < end)
             material_lanes_meet(&eights[(place / LANES + 1) & 1u], order, place + LANES, end, hits,
-                                &surface);
-        material_lanes(settings, bounce, eight, &surface, triangle_emitters, lights, shapes,
-                       light_nodes, light_parents, light_leaves, rays, paths, shades);
+                                &scene.surface);
+        material_lanes(settings, bounce, eight, &scene, rays, paths, shades);
         for (uint rest = eight->others; rest != 0; rest &= rest - 1)
 #else
     for (uint i = first + get_global_id(0); i < end; i += get_global_size(0))

@@ -131,9 +131,8 @@ static inline void paths_add_emission(struct paths_lanes *p, const struct paths_
         return;
     struct material_lanes_hits h;
     material_lanes_see(&h, shining, few_name(found, s->few), &s->surface);
-    emission = material_lanes_emission(
-        &s->surface, &h, shining & material_lanes_textured(&s->surface, &h, TEXTURE_EMISSIVE),
-        emission);
+    emission = lanes3_mul(
+        emission, lanes3_xyz(material_lanes_fetch(&s->surface, &h, shining, TEXTURE_EMISSIVE)));
     const uint met_by_light = shining & lanes_bits(p->place.bounce != 0u);
     const lanes_float weight = hit_lanes_weights(
         s->settings, s->triangle_emitters, s->lights, s->shapes, s->light_nodes, s->light_parents,

@@ -193,7 +193,7 @@ static inline struct lanes3 bsdf_lanes_draw_specular(const struct bsdf_lanes *b,
     return lanes3_sub(lanes3_scale(half_dir, 2.0f * lanes3_dot(b->view, half_dir)), b->view);
 }
 
-// Draws directions to go on in: bsdf_sample(), whose weight and density bsdf_lanes_eval() tells.
+// Draws directions to go on in: bsdf_sample(), whose weights are those of bsdf_lanes_weigh().
 //
 //   u, u0, u1  uniform numbers: lobe, direction
 static inline struct lanes3 bsdf_lanes_draw(const struct bsdf_lanes *b, const lanes_float u,
@@ -206,6 +206,18 @@ static inline struct lanes3 bsdf_lanes_draw(const struct bsdf_lanes *b, const la
     if (lanes_bits(specular) == 0)
         return dir;
     return lanes3_select(specular, lanes3_normalize(bsdf_lanes_draw_specular(b, u0, u1)), dir);
+}
+
+// f cos(theta) / density of directions that were drawn, above both surfaces.
+static inline struct lanes3 bsdf_lanes_weigh(lanes_float *density, const struct bsdf_lanes *b,
+                                             const struct lanes3 dir)
+{
+    const struct lanes3 value = bsdf_lanes_eval(density, b, dir);
+
+    // Cosine sampling of Lambert leaves nothing but the colour: the cosine rides out.
+    if (b->glossy == 0)
+        return b->diffuse;
+    return lanes3_select(lanes_mask(b->glossy), lanes3_scale(value, 1.0f / *density), b->diffuse);
 }
 
 #endif

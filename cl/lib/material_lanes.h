@@ -9,6 +9,7 @@
 #include "lib/bsdf_lanes.h"
 #include "lib/hit_lanes.h"
 #include "lib/light_sampler.h"
+#include "lib/material_hit.h"
 #include "lib/shade_lanes.h"
 #include "lib/texture_lanes.h"
 #include "lib/texture_use.h"
@@ -76,7 +77,7 @@ static inline void material_lanes_see(struct material_lanes_hits *h, const uint 
     h->v = hit.z;
     h->flags = LANES_WORD(lanes_uint, s->materials, h->material, .flags);
     h->missed = used & ~met;
-    h->own = met & lanes_bits((h->flags & MATERIAL_EXTRAS) == 0u);
+    h->own = met & lanes_bits((h->flags & MATERIAL_APART) == 0u);
     h->others = met & ~h->own;
     h->textured = h->own & material_lanes_textured(s, h, TEXTURE_BASE);
     if (h->textured == 0)
@@ -248,18 +249,76 @@ static inline void material_lanes_bsdf(struct material_lanes_shaded *out, const 
     out->bits = mask ? bits : out->bits;
 }
 
+// The vertex colours of all lanes.
+static inline struct lanes3 material_lanes_color(const struct surface *s,
+                                                 const struct material_lanes_hits *h)
+{
+    const struct lanes4 a = lanes_unpack_shares(LANES_WORD(lanes_uint, s->colors, h->v0, .x),
+                                                LANES_WORD(lanes_uint, s->colors, h->v0, .y));
+    const struct lanes4 b = lanes_unpack_shares(LANES_WORD(lanes_uint, s->colors, h->v1, .x),
+                                                LANES_WORD(lanes_uint, s->colors, h->v1, .y));
+    const struct lanes4 c = lanes_unpack_shares(LANES_WORD(lanes_uint, s->colors, h->v2, .x),
+                                                LANES_WORD(lanes_uint, s->colors, h->v2, .y));
+    return lanes3_muladd(lanes3_xyz(a), 1.0f - h->u - h->v,
+                         lanes3_muladd(lanes3_xyz(b), h->u, lanes3_scale(lanes3_xyz(c), h->v)));
+}
+
+#if NORMAL_MAPS
+
+static inline struct lanes3 material_lanes_tangent(const lanes_uint packed)
+{
+    return lanes_oct_unpack(packed & ~OCT_FLAG);
+}
+
+// The shading normals that normal maps make of the interpolated ones in those lanes that have a
+// bit: normal_map_apply().
+//
+//   normal  interpolated, viewer's side
+//   side    1 where that is the front, else -1
+//   dir     of the rays
+static inline struct lanes3 material_lanes_map(const struct surface *s,
+                                               __global const uint *tangents,
+                                               const struct material_lanes_hits *h, const uint bits,
+                                               const struct lanes3 normal, const lanes_float side,
+                                               const struct lanes3 dir)
+{
+    // The frame is that of the front.
+    const struct lanes3 ahead = lanes3_scale(normal, side);
+    const lanes_uint packed = LANES_WORD(lanes_uint, tangents, h->v0, );
+    const struct lanes3 tangent = lanes3_muladd(
+        material_lanes_tangent(packed), 1.0f - h->u - h->v,
+        lanes3_muladd(
+            material_lanes_tangent(LANES_WORD(lanes_uint, tangents, h->v1, )), h->u,
+            lanes3_scale(material_lanes_tangent(LANES_WORD(lanes_uint, tangents, h->v2, )), h->v)));
+    const struct lanes3 flat = lanes3_muladd(ahead, -lanes3_dot(tangent, ahead), tangent);
+    const struct lanes3 t = lanes3_normalize(flat);
+    const lanes_float hand = (packed & OCT_FLAG) != 0u ? (lanes_float)(-1.0f) : (lanes_float)(1.0f);
+    const struct lanes3 bitangent = lanes3_scale(lanes3_cross(ahead, t), hand);
+
+    const struct lanes4 texel = material_lanes_fetch(s, h, bits, TEXTURE_NORMAL);
+    const lanes_float scale = LANES_WORD(lanes_float, s->materials, h->material, .normal_scale);
+    const struct lanes3 bent =
+        lanes3_muladd(t, (2.0f * texel.x - 1.0f) * scale,
+                      lanes3_muladd(bitangent, (2.0f * texel.y - 1.0f) * scale,
+                                    lanes3_scale(ahead, 2.0f * texel.z - 1.0f)));
+    const struct lanes3 mapped = lanes3_scale(lanes3_normalize(bent), side);
+    const lanes_int maps = lanes_mask(bits) & (lanes3_dot(flat, flat) >= 1e-12f) &
+                           (lanes3_dot(bent, bent) > 1e-12f) & (lanes3_dot(mapped, dir) < -1e-4f);
+    return lanes3_select(maps, mapped, normal);
+}
+
+#endif
+
 // Shades those of the eight that are shaded here.
 //
 //   ray_dir, throughput_bits, radiance_normal  rows of their rays and paths
 static inline void material_lanes_shade(
     struct material_lanes_shaded *out, __constant struct settings *settings, const uint bounce,
-    const struct material_lanes_hits *h, const struct surface *s,
-    __global const uint *triangle_emitters, __global const struct light *lights,
-    __global const struct light_shape *shapes, __global const float4 *light_nodes,
-    __global const uint *light_parents, __global const uint *light_leaves,
+    const struct material_lanes_hits *h, const struct material_scene *scene,
     __global const struct ray *rays, const struct lanes4 ray_dir,
     const struct lanes4 throughput_bits, const struct lanes4 radiance_normal)
 {
+    const struct surface *s = &scene->surface;
     const uint *slots = h->slots;
     const uint own = h->own;
     const lanes_uint flags = h->flags;
@@ -295,8 +354,8 @@ static inline void material_lanes_shade(
             shining & lanes_bits((path_bits & PATH_SPECULAR) == 0u); // may be found by lights
         const struct lanes4 org = LANES_OF(rays, slots, .org);
         const lanes_float weight = hit_lanes_weights(
-            settings, triangle_emitters, lights, shapes, light_nodes, light_parents, light_leaves,
-            h->triangle, met_by_light, lanes3_xyz(org),
+            settings, scene->triangle_emitters, scene->lights, scene->shapes, scene->light_nodes,
+            scene->light_parents, scene->light_leaves, h->triangle, met_by_light, lanes3_xyz(org),
             lanes_oct_unpack(lanes_as_uint(radiance_normal.w)), ray_dir.w, h->t, cosine);
         const lanes_float counts = shines ? weight : (lanes_float)(0.0f);
         radiance = lanes3_add(radiance, lanes3_mul(lanes3_scale(throughput, counts), emission));
@@ -310,6 +369,11 @@ static inline void material_lanes_shade(
                      side);
     geometric = lanes3_scale(geometric, side);
     normal = lanes3_select(lanes3_dot(normal, dir) < -1e-4f, normal, geometric);
+#if NORMAL_MAPS
+    const uint mapped = measures ? 0u : own & lanes_bits((flags & MATERIAL_NORMAL_MAP) != 0u);
+    if (mapped != 0)
+        normal = material_lanes_map(s, scene->tangents, h, mapped, normal, side, dir);
+#endif
 
     // Find their BSDFs.
     const struct lanes4 base = LANES_OF(s->materials, h->material, .base);
@@ -330,6 +394,11 @@ static inline void material_lanes_shade(
         out->diffuse = lanes3_mul(
             out->diffuse, lanes3_xyz(texture_lanes_fetch(&h->base, h->textured, s->texels)));
     }
+    const lanes_int colored = (flags & MATERIAL_VERTEX_COLOR) != 0u;
+    if (!measures && (own & lanes_bits(colored)) != 0)
+        out->diffuse =
+            lanes3_select(colored & lanes_mask(own),
+                          lanes3_mul(out->diffuse, material_lanes_color(s, h)), out->diffuse);
     if (own & ~lambert)
         material_lanes_bsdf(out, own & ~lambert, settings, last, s, h, dir);
 
@@ -342,13 +411,8 @@ static inline void material_lanes_shade(
 // Shades those of the eight that are shaded here and writes them, and ends the paths of those that
 // hit nothing.
 static inline void material_lanes(__constant struct settings *settings, const uint bounce,
-                                  const struct material_lanes_hits *h, const struct surface *s,
-                                  __global const uint *triangle_emitters,
-                                  __global const struct light *lights,
-                                  __global const struct light_shape *shapes,
-                                  __global const float4 *light_nodes,
-                                  __global const uint *light_parents,
-                                  __global const uint *light_leaves, __global struct ray *rays,
+                                  const struct material_lanes_hits *h,
+                                  const struct material_scene *scene, __global struct ray *rays,
                                   __global struct path *paths, __global struct shade *shades)
 {
     for (uint missed = h->missed; missed != 0; missed &= missed - 1)
@@ -358,8 +422,7 @@ static inline void material_lanes(__constant struct settings *settings, const ui
     const uint *slots = h->slots;
     const uint own = h->own;
     struct material_lanes_shaded m;
-    material_lanes_shade(&m, settings, bounce, h, s, triangle_emitters, lights, shapes, light_nodes,
-                         light_parents, light_leaves, rays, LANES_OF(rays, slots, .dir),
+    material_lanes_shade(&m, settings, bounce, h, scene, rays, LANES_OF(rays, slots, .dir),
                          LANES_OF(paths, slots, .throughput_bits),
                          LANES_OF(paths, slots, .radiance_normal));
     LANES_STORE(rays, slots, .org, own,

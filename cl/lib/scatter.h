@@ -93,13 +93,7 @@ static inline struct scatter_lanes scatter_lanes_sample(__constant struct settin
         bsdf_lanes_draw(b, lanes_unit(numbers.x), lanes_unit(numbers.y), lanes_unit(numbers.z));
     const lanes_int above =
         (lanes3_dot(out.dir, b->normal) > 0.0f) & (lanes3_dot(out.dir, b->geometric) > 0.0f);
-    const struct lanes3 value = bsdf_lanes_eval(&out.density, b, out.dir);
-
-    // Cosine sampling of Lambert leaves nothing but the colour: the cosine rides out.
-    struct lanes3 weight = b->diffuse;
-    if (b->glossy != 0)
-        weight =
-            lanes3_select(lanes_mask(b->glossy), lanes3_scale(value, 1.0f / out.density), weight);
+    const struct lanes3 weight = bsdf_lanes_weigh(&out.density, b, out.dir);
     out.throughput = lanes3_mul(b->throughput, weight);
     const lanes_float most = lanes3_max(out.throughput);
 

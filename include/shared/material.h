@@ -67,10 +67,11 @@ SHARED_SIZE(texture_slot, 48);
 #define MATERIAL_SHEEN               1024u // has a sheen; MATERIAL_LAYERED, too
 #define MATERIAL_LAMBERT             2048u // specular lobe of strength 0, whatever its textures say
 
-// What a hit is more than its Lambert term, among the flags.
-#define MATERIAL_EXTRAS                                                                            \
-    (MATERIAL_UNLIT | MATERIAL_VERTEX_COLOR | MATERIAL_NORMAL_MAP | MATERIAL_COAT_NORMAL_MAP |     \
-     MATERIAL_LAYERED)
+// What CPUs shade hit by hit, among the flags.
+#define MATERIAL_APART (MATERIAL_UNLIT | MATERIAL_COAT_NORMAL_MAP | MATERIAL_LAYERED)
+
+// What a hit is more than its Lambert term.
+#define MATERIAL_EXTRAS (MATERIAL_APART | MATERIAL_VERTEX_COLOR | MATERIAL_NORMAL_MAP)
 
 // Roughness squared up to which a surface is smooth: below it GGX's D leaves float's range at
 // grazing views.

@@ -28,7 +28,16 @@
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 /** What is evaluated of a case's material. */
-enum model { MODEL_GLTF, MODEL_PHONG, MODEL_SHEEN, MODEL_COUNT };
+enum model {
+    MODEL_GLTF,
+    MODEL_PHONG,
+    MODEL_LANES, // glTF's, of hits side by side
+    MODEL_SHEEN,
+    MODEL_COUNT
+};
+
+/** Those of whole materials. */
+static const enum model models[] = {MODEL_GLTF, MODEL_PHONG, MODEL_LANES};
 
 /** The group's state. */
 struct fixture {
@@ -50,7 +59,8 @@ static inline struct fixture make_fixture(struct gpu *gpu)
         const struct program_options options = {.brdf_phong = model == MODEL_PHONG,
                                                 .layers = model == MODEL_SHEEN,
                                                 .sheen = model == MODEL_SHEEN};
-        f.programs[model] = device_program(gpu, "bsdf", &options);
+        f.programs[model] =
+            device_program(gpu, model == MODEL_LANES ? "bsdf_lanes" : "bsdf", &options);
     }
     f.cell_dirs = calloc(CELLS, sizeof(*f.cell_dirs));
     f.cell_values = calloc(CELLS, sizeof(*f.cell_values));
@@ -227,8 +237,10 @@ static inline struct material make_material(float base, float metallic, float ro
                              .roughness = roughness};
 }
 
-/** Calls a check for four views, five roughnesses, three metalnesses and both models. */
-static inline void for_all_cases(void (*check)(bool phong, const struct bsdf_case *c), double tilt)
+/** Calls a check for four views, five roughnesses, three metalnesses and all models of materials.
+ */
+static inline void for_all_cases(void (*check)(enum model model, const struct bsdf_case *c),
+                                 double tilt)
 {
     static const double cosines[] = {1.0, 0.7, 0.25, 0.05};
     static const float roughnesses[] = {0.0f, 0.1f, 0.3f, 0.6f, 1.0f};
@@ -238,8 +250,8 @@ static inline void for_all_cases(void (*check)(bool phong, const struct bsdf_cas
             struct bsdf_case c = make_case(cosines[view], tilt);
             c.material = make_material(0.8f, metalnesses[i % COUNT(metalnesses)],
                                        roughnesses[i / COUNT(metalnesses)]);
-            check(false, &c);
-            check(true, &c);
+            for (size_t m = 0; m < COUNT(models); m++)
+                check(models[m], &c);
         }
     }
 }

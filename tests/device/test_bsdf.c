@@ -73,7 +73,7 @@ static double phong_f(const struct material *m, double nol, double cos_lobe)
     return diffuse / PI + f0 * lobe / nol;
 }
 
-static double oracle_f(bool phong, const struct bsdf_case *c, const float4 dir)
+static double oracle_f(enum model model, const struct bsdf_case *c, const float4 dir)
 {
     double n[3], v[3], l[3], h[3], mirrored[3];
     vec3_of(n, c->normal);
@@ -84,7 +84,7 @@ static double oracle_f(bool phong, const struct bsdf_case *c, const float4 dir)
         h[k] = l[k] + v[k];
     const double length = vec3_length(h);
     const double nol = vec3_dot(n, l);
-    if (phong)
+    if (model == MODEL_PHONG)
         return phong_f(&c->material, nol, vec3_dot(mirrored, l));
     const double nov = vec3_dot(n, v);
     const double noh = vec3_dot(n, h) / length;
@@ -114,13 +114,13 @@ static void values_are_those_of_the_formulas(void **state)
     uint64_t seed = 1;
     float4 dirs[DIRS], values[DIRS];
     for (int round = 0; round < ROUNDS; round++) {
-        const bool phong = round & 1;
+        const enum model model = models[round % COUNT(models)];
         struct bsdf_case c = make_case(random_between(&seed, 0.05, 1.0), 0.0);
         c.material = random_material(&seed);
         make_dirs(dirs, &c, &seed);
-        evaluate(&fixture, phong, &c, dirs, DIRS, values);
+        evaluate(&fixture, model, &c, dirs, DIRS, values);
         for (uint32_t i = 0; i < DIRS; i++) {
-            const double expected = oracle_f(phong, &c, dirs[i]) * cosine_of(&c, dirs[i]);
+            const double expected = oracle_f(model, &c, dirs[i]) * cosine_of(&c, dirs[i]);
             assert_close(values[i].x, expected, VALUE_EPSILON * expected + 1e-7);
         }
     }
@@ -134,28 +134,28 @@ static void both_ways_are_the_same(void **state)
     uint64_t seed = 2;
     float4 dirs[DIRS];
     for (int round = 0; round < 6; round++) {
-        const bool phong = round & 1;
+        const enum model model = models[round % COUNT(models)];
         struct bsdf_case c = make_case(0.5, 0.0);
         c.material = random_material(&seed);
-        if (phong)
+        if (model == MODEL_PHONG) {
             c.material.metallic = 1.0f; // no diffuse part
-        if (phong)
             c.material.flags = 0;
+        }
         make_dirs(dirs, &c, &seed);
-        check_both_ways(&fixture, phong, &c, !phong, dirs, VALUE_EPSILON, 1e-7);
+        check_both_ways(&fixture, model, &c, model != MODEL_PHONG, dirs, VALUE_EPSILON, 1e-7);
     }
 }
 
 static void nothing_comes_from_below(void **state)
 {
     device_of(state);
-    for (int phong = 0; phong < 2; phong++) {
+    for (size_t m = 0; m < COUNT(models); m++) {
         struct bsdf_case c = make_case(0.5, 0.5);
         double g[3], n[3], d[3];
         vec3_of(g, c.geometric);
         vec3_of(n, c.normal);
         c.material = make_material(0.8f, 0.5f, 0.5f);
-        evaluate_sphere(&fixture, phong, &c);
+        evaluate_sphere(&fixture, models[m], &c);
         for (uint32_t i = 0; i < CELLS; i++) {
             vec3_of(d, fixture.cell_dirs[i]);
             const float4 value = fixture.cell_values[i];
@@ -171,11 +171,11 @@ static void nothing_comes_from_below(void **state)
 static void white_lambert_reflects_all(void **state)
 {
     device_of(state);
-    for (int phong = 0; phong < 2; phong++) {
+    for (size_t m = 0; m < COUNT(models); m++) {
         struct bsdf_case c = make_case(0.3, 0.0);
         c.material = make_material(1.0f, 0.0f, 0.5f);
         c.material.specular.w = 0.0f;
-        evaluate_sphere(&fixture, phong, &c);
+        evaluate_sphere(&fixture, models[m], &c);
         assert_close(grid_albedo(&fixture), 1.0, LAMBERT_ERROR);
     }
 }
@@ -203,12 +203,12 @@ static void white_metal_loses_light_by_roughness(void **state)
 // Of dielectrics, appendix B bounds this only where neither direction grazes: it weighs the base by
 // the half vector's Fresnel term, which is small for light from above even where the view grazes
 // and the coat reflects nearly all.
-static void check_energy(bool phong, const struct bsdf_case *c)
+static void check_energy(enum model model, const struct bsdf_case *c)
 {
     const bool grazes = cosine_of(c, c->view) < 0.5;
-    if (!phong && c->material.metallic < 1.0f && grazes)
+    if (model != MODEL_PHONG && c->material.metallic < 1.0f && grazes)
         return;
-    evaluate_sphere(&fixture, phong, c);
+    evaluate_sphere(&fixture, model, c);
     assert_true(grid_albedo(&fixture) <= 1.0 + GRID_EPSILON);
 }
 

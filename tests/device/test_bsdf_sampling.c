@@ -20,10 +20,10 @@ static bool is_drawn(const struct bsdf_draw *draw)
 }
 
 // The density's integral is the part of draws that end above the surface, the mirror's apart.
-static void check_density(bool phong, const struct bsdf_case *c)
+static void check_density(enum model model, const struct bsdf_case *c)
 {
-    evaluate_sphere(&fixture, phong, c);
-    draw(&fixture, phong, c);
+    evaluate_sphere(&fixture, model, c);
+    draw(&fixture, model, c);
     double integral = 0.0;
     double drawn = 0.0;
     for (uint32_t i = 0; i < CELLS; i++)
@@ -57,12 +57,12 @@ static uint32_t find_bin(const struct bsdf_case *c, const float4 dir)
     return ring * 16 + spoke;
 }
 
-static void check_histogram(bool phong, const struct bsdf_case *c)
+static void check_histogram(enum model model, const struct bsdf_case *c)
 {
     double expected[BINS] = {0.0};
     double found[BINS] = {0.0};
-    evaluate_sphere(&fixture, phong, c);
-    draw(&fixture, phong, c);
+    evaluate_sphere(&fixture, model, c);
+    draw(&fixture, model, c);
     for (uint32_t i = 0; i < CELLS; i++)
         expected[i / SPOKES * 16 / RINGS * 16 + i % SPOKES * 16 / SPOKES] +=
             fixture.cell_values[i].w * fixture.cell_sizes[i] * SAMPLES;
@@ -84,15 +84,15 @@ static void draws_follow_the_density(void **state)
     for_all_cases(check_histogram, 0.0);
 }
 
-static void check_weights(bool phong, const struct bsdf_case *c)
+static void check_weights(enum model model, const struct bsdf_case *c)
 {
     double n[3], g[3], d[3];
     vec3_of(n, c->normal);
     vec3_of(g, c->geometric);
-    draw(&fixture, phong, c);
+    draw(&fixture, model, c);
     for (uint32_t i = 0; i < SAMPLES; i++)
         fixture.cell_dirs[i] = fixture.cell_draws[i].dir_density;
-    evaluate(&fixture, phong, c, fixture.cell_dirs, SAMPLES, fixture.cell_values);
+    evaluate(&fixture, model, c, fixture.cell_dirs, SAMPLES, fixture.cell_values);
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const struct bsdf_draw *draw = &fixture.cell_draws[i];
         const float4 value = fixture.cell_values[i];
@@ -114,10 +114,10 @@ static void weights_are_values_over_densities(void **state)
 }
 
 // Draws and the grid estimate the same reflectance.
-static void check_albedo(bool phong, const struct bsdf_case *c)
+static void check_albedo(enum model model, const struct bsdf_case *c)
 {
-    evaluate_sphere(&fixture, phong, c);
-    draw(&fixture, phong, c);
+    evaluate_sphere(&fixture, model, c);
+    draw(&fixture, model, c);
     double mean = 0.0;
     double squares = 0.0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
@@ -146,8 +146,8 @@ static void mirrors_reflect_their_colour(void **state)
     double pole[3];
     c.material = make_material(0.7f, 1.0f, 0.0f);
     mirrored_view(pole, &c);
-    draw(&fixture, true, &c);
-    evaluate_sphere(&fixture, true, &c);
+    draw(&fixture, MODEL_PHONG, &c);
+    evaluate_sphere(&fixture, MODEL_PHONG, &c);
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const struct bsdf_draw *draw = &fixture.cell_draws[i];
         assert_close3(draw->dir_density, pole, 1e-6);
@@ -162,11 +162,11 @@ static void mirrors_reflect_their_colour(void **state)
 static void lambert_weighs_its_colour(void **state)
 {
     device_of(state);
-    for (int phong = 0; phong < 2; phong++) {
+    for (size_t m = 0; m < COUNT(models); m++) {
         struct bsdf_case c = make_case(0.3, 0.0);
         c.material = make_material(0.6f, 0.0f, 0.5f);
         c.material.specular.w = 0.0f;
-        draw(&fixture, phong, &c);
+        draw(&fixture, models[m], &c);
         for (uint32_t i = 0; i < SAMPLES; i++)
             assert_true(fixture.cell_draws[i].weight.x == 0.6f ||
                         !is_drawn(&fixture.cell_draws[i]));

@@ -30,14 +30,11 @@ TEST_KERNEL texture_from_lanes(__global const uint *restrict texels,
     lanes_store(first + lanes_as_uint(LANES_ORDER), places);
     struct texture_lanes lanes;
     texture_lanes_find(&lanes, material, materials, TEXTURE_BASE, every, LANES_OF(uvs, places, ));
-    const struct lanes3 found = texture_lanes_fetch(&lanes, every, texels);
-    LANES_STORE(out, places, , LANES_ALL, lanes4_make(found, (lanes_float)(1.0f)));
+    LANES_STORE(out, places, , LANES_ALL, texture_lanes_fetch(&lanes, every, texels));
     for (uint i = first; i < first + LANES; i++) {
         const float4 single = texture_fetch_pool(texels, &material->textures[TEXTURE_BASE], uvs[i]);
-        const bool is_white = all(out[i].xyz == 1.0f);
-        if (every & (1u << (i - first)))
-            out[i].w = single.w;
-        else
+        const bool is_white = all(out[i] == 1.0f);
+        if (!(every & (1u << (i - first))))
             out[i] = is_white ? single : (float4)(-1.0f);
     }
 }
