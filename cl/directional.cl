@@ -6,7 +6,7 @@
 //   next  scatter, or if it scatters, trace
 //
 // Variants: those of trace; ENV_MAP: there is an environment. With SHADE_LANES (lib/shade_lanes.h)
-// shadow rays of eight hits are drawn side by side where nothing but the Lambert term is left. The
+// shadow rays of eight hits are drawn side by side, but for BSDFs that lib/bsdf_lanes.h leaves out. The
 // stage does the work of scatter, too, as direct where it is the last.
 
 #include "lib/light_group.h" // first: it sets WG_TRACE

@@ -1,14 +1,13 @@
 /**
  * @file
- * Shading of paths side by side, on CPUs: of those hits that are Lambert, as most of most
- * scenes are. Which way a hit goes is decided by that hit alone.
+ * Shading of paths side by side, on CPUs: of most hits (lib/material_lanes.h, lib/bsdf_lanes.h).
+ * Which way a hit goes is decided by that hit alone.
  */
 #ifndef LIB_SHADE_LANES_H
 #define LIB_SHADE_LANES_H
 
 #include "lib/lanes.h"
 #include "shared/path.h"
-#include "shared/ray.h"
 
 #ifndef SHADE_LANES
 #if DEVICE_CPU
