@@ -6,8 +6,8 @@
 //
 // Variants: those of trace; LIGHT_SAMPLER (lib/light_sampler.h). With SHADE_LANES
 // (lib/shade_lanes.h) shadow rays of eight hits are drawn side by side, but for BSDFs that
-// lib/bsdf_lanes.h leaves out. If no other light is to come, the stage does the work of scatter, too: what
-// that reads is at hand.
+// lib/bsdf_lanes.h leaves out. If no other light is to come, the stage does the work of scatter,
+// too: what that reads is at hand.
 
 #include "lib/light_group.h" // first: it sets WG_TRACE
 

@@ -6,8 +6,8 @@
 //   next  scatter, or if it scatters, trace
 //
 // Variants: those of trace; ENV_MAP: there is an environment. With SHADE_LANES (lib/shade_lanes.h)
-// shadow rays of eight hits are drawn side by side, but for BSDFs that lib/bsdf_lanes.h leaves out. The
-// stage does the work of scatter, too, as direct where it is the last.
+// shadow rays of eight hits are drawn side by side, but for BSDFs that lib/bsdf_lanes.h leaves out.
+// The stage does the work of scatter, too, as direct where it is the last.
 
 #include "lib/light_group.h" // first: it sets WG_TRACE
 
@@ -80,10 +80,9 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
                                           const uint k, const uint *slots, const uint bits,
                                           const struct bsdf_lanes *b)
 {
-    lanes_float weight = (lanes_float)(1.0f);
-    lanes_float density; // with which bounces find these directions
-    struct lanes3 dir, radiance, value;
+    struct lanes3 dir, radiance;
 #if ENV_MAP
+    lanes_float drawn; // the density of the environment's directions
     if (k == settings->directional_count) {
         const struct lanes_place place = lanes_place(batch, places, lanes_load(slots), bounce);
         const struct lanes_numbers numbers = lanes_draw(settings, points, place, place.sample,
@@ -108,10 +107,7 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
         }
         dir = lanes3_make(lanes_load(x), lanes_load(y), lanes_load(z));
         radiance = lanes3_make(lanes_load(r), lanes_load(g), lanes_load(blue));
-        value = bsdf_lanes_eval(&density, b, dir);
-        const lanes_float drawn = lanes_load(light);
-        weight = (b->alone ? (lanes_float)(1.0f) : lanes_mis_weight(drawn, density)) / drawn;
-        weight = drawn > 0.0f ? weight : (lanes_float)(0.0f);
+        drawn = lanes_load(light);
     } else
 #endif
     {
@@ -120,9 +116,15 @@ static inline uint directional_draw_lanes(DIRECTIONAL_PARAMETERS, struct shadow_
         dir = lanes3_make((lanes_float)(away.x), (lanes_float)(away.y), (lanes_float)(away.z));
         radiance =
             lanes3_make((lanes_float)(color.x), (lanes_float)(color.y), (lanes_float)(color.z));
-        value = bsdf_lanes_eval(&density, b, dir);
     }
-    value = lanes3_mul(lanes3_scale(value, weight), radiance);
+    lanes_float density; // with which bounces find these directions
+    struct lanes3 value = lanes3_mul(bsdf_lanes_eval(&density, b, dir), radiance);
+#if ENV_MAP
+    if (k == settings->directional_count) {
+        const lanes_float mis = b->alone ? (lanes_float)(1.0f) : lanes_mis_weight(drawn, density);
+        value = lanes3_scale(value, drawn > 0.0f ? mis / drawn : (lanes_float)(0.0f));
+    }
+#endif
     const lanes_int needed = (lanes3_dot(b->normal, dir) > 0.0f) &
                              (lanes3_dot(b->geometric, dir) > 0.0f) & (lanes3_max(value) > 0.0f) &
                              lanes_mask(bits);

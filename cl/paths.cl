@@ -173,7 +173,7 @@ static inline struct bsdf_lanes paths_shade(struct paths_lanes *p, const struct 
 
     // Turn the normals to the viewer; a shading normal that looks away is of no use.
     struct bsdf_lanes b;
-    b.glossy = 0;
+    b.glossy = 0; // all are Lambert
     const struct lanes4 geometric = LANES_OF(table->sides, side, .geometric);
     const struct lanes4 normal = LANES_OF(table->sides, side, .normal);
     b.geometric = lanes3_xyz(geometric);

@@ -1,6 +1,7 @@
 /**
  * @file
- * The BSDFs: glTF 2.0's, and with BRDF_PHONG the thesis's.
+ * The BSDFs: glTF 2.0's, and with BRDF_PHONG the thesis's. lib/bsdf_lanes.h has glTF's for hits
+ * side by side.
  *
  * glTF: appendix B of the specification: a metal and a dielectric mixed by metalness, both with
  * a GGX microfacet lobe, the dielectric over a Lambert base. Mixed before it is stored: with

@@ -20,7 +20,7 @@ struct bsdf_lanes {
     struct lanes3 diffuse;
     struct lanes3 throughput;
     lanes_int alone; // PATH_NO_BOUNCE
-    uint glossy;     // bits of those that have a specular lobe; what follows is set if one has
+    uint glossy;     // bits of those that are more than Lambert; what follows is set if one is
     struct lanes3 view, f0;
     lanes_float f90, alpha, dielectric_f0, dielectric_f90;
     lanes_float share; // how likely sampling takes the specular lobe
@@ -30,11 +30,6 @@ static inline lanes_float bsdf_lanes_fifth_power(const lanes_float x)
 {
     const lanes_float x2 = x * x;
     return x2 * x2 * x;
-}
-
-static inline lanes_float bsdf_lanes_luminance(const struct lanes3 v)
-{
-    return MULADD(0.2126f, v.x, MULADD(0.7152f, v.y, 0.0722f * v.z));
 }
 
 // f0 + (f90 - f0) grazing
@@ -59,9 +54,8 @@ static inline lanes_float bsdf_lanes_share(const struct bsdf_lanes *b)
     const lanes_float zero = (lanes_float)(0.0f);
     const lanes_float nov = lanes_max(lanes3_dot(b->normal, b->view), zero);
     const lanes_float grazing = bsdf_lanes_fifth_power(1.0f - nov);
-    const lanes_float specular = bsdf_lanes_luminance(bsdf_lanes_fresnel(b, grazing));
-    const lanes_float diffuse =
-        bsdf_lanes_luminance(b->diffuse) * bsdf_lanes_base_share(b, grazing);
+    const lanes_float specular = lanes_luminance(bsdf_lanes_fresnel(b, grazing));
+    const lanes_float diffuse = lanes_luminance(b->diffuse) * bsdf_lanes_base_share(b, grazing);
     const lanes_float sum = specular + diffuse;
     return sum > 0.0f ? specular / sum : zero;
 }
@@ -149,8 +143,9 @@ static inline struct lanes3 bsdf_lanes_eval(lanes_float *density, const struct b
         lanes3_scale(bsdf_lanes_fresnel(b, grazing), lobe * nol / bsdf_lanes_smith(nol, a2));
     const struct lanes3 both = lanes3_muladd(lambert, bsdf_lanes_base_share(b, grazing), specular);
     const lanes_int glossy = lanes_mask(b->glossy);
-    *density =
-        glossy ? MULADD(b->share, 0.5f * lobe - cosine_density, cosine_density) : cosine_density;
+    const lanes_float of_both =
+        MULADD(b->share, 0.5f * lobe, MULADD(-b->share, cosine_density, cosine_density));
+    *density = glossy ? of_both : cosine_density;
     return lanes3_select(glossy, both, lambert);
 }
 
@@ -193,7 +188,8 @@ static inline struct lanes3 bsdf_lanes_draw_specular(const struct bsdf_lanes *b,
     return lanes3_sub(lanes3_scale(half_dir, 2.0f * lanes3_dot(b->view, half_dir)), b->view);
 }
 
-// Draws directions to go on in: bsdf_sample(), whose weights are those of bsdf_lanes_weigh().
+// Draws directions to go on in: bsdf_sample(). They weigh what bsdf_lanes_weigh() says if they are
+// above both surfaces, else nothing.
 //
 //   u, u0, u1  uniform numbers: lobe, direction
 static inline struct lanes3 bsdf_lanes_draw(const struct bsdf_lanes *b, const lanes_float u,

@@ -108,6 +108,12 @@ static inline lanes_float lanes_floor(const lanes_float x)
 
 // ---- Twins of what single paths use
 
+// luminance()
+static inline lanes_float lanes_luminance(const struct lanes3 v)
+{
+    return MULADD(0.2126f, v.x, MULADD(0.7152f, v.y, 0.0722f * v.z));
+}
+
 // oct_unpack(), normalised.
 static inline struct lanes3 lanes_oct_unpack(const lanes_uint packed)
 {

@@ -1,6 +1,7 @@
 /**
  * @file
- * The BSDF of a material at a hit, from its factors and what its textures say.
+ * The BSDF of a material at a hit, from its factors and what its textures say. lib/material_lanes.h
+ * does the same for hits side by side.
  */
 #ifndef LIB_MATERIAL_BSDF_H
 #define LIB_MATERIAL_BSDF_H

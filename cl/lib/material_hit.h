@@ -194,7 +194,7 @@ static inline bool material_hit(__constant struct settings *settings, const stru
 #endif
 
     material_bsdf(&b, material, values, color);
-    if (luminance(b.f0) > luminance(b.diffuse))
+    if (!measures && luminance(b.f0) > luminance(b.diffuse))
         b.normal = bsdf_bend_normal(&b);
     if (measures) {
         material_measure_irradiance(&b);

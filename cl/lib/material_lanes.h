@@ -125,7 +125,7 @@ struct material_lanes_shaded {
     lanes_uint bits;                    // of path.throughput_bits.w
 };
 
-// Turns the normals of those lanes that have a bit as bsdf_bend_normal() does.
+// Turns the normals of those lanes that have a bit as bsdf_bend_normal() does: few have to be.
 static inline struct lanes3 material_lanes_bend(const struct lanes3 normal, uint bits,
                                                 const struct lanes3 geometric,
                                                 const struct lanes3 dir)
@@ -152,8 +152,8 @@ static inline struct lanes3 material_lanes_bend(const struct lanes3 normal, uint
     return out;
 }
 
-// Finds the BSDFs of those lanes that have a bit, which are more than Lambert: material_bsdf() of
-// lib/material_bsdf.h. The base colour is in out->diffuse, where the diffuse one is left.
+// Finds the BSDFs of those lanes that have a bit, which may be more than Lambert: material_bsdf()
+// of lib/material_bsdf.h. The base colour is in out->diffuse, where the diffuse one is left.
 //
 //   last  no ray follows that is lit
 static inline void material_lanes_bsdf(struct material_lanes_shaded *out, const uint own,
@@ -237,7 +237,7 @@ static inline void material_lanes_bsdf(struct material_lanes_shaded *out, const 
     const lanes_float mirrored_z = // of 2 (N V) N - V
         MULADD(2.0f * nov, lanes3_dot(out->normal, out->geometric), -view_z);
     const lanes_int below = mirrored_z < lanes_min(0.9f * view_z, zero + 0.025f);
-    const lanes_int is_metal = bsdf_lanes_luminance(f0) > bsdf_lanes_luminance(diffuse);
+    const lanes_int is_metal = lanes_luminance(f0) > lanes_luminance(diffuse);
     const uint bent = own & lanes_bits(below & is_metal);
     if (bent != 0)
         out->normal = material_lanes_bend(out->normal, bent, out->geometric, dir);
@@ -340,6 +340,7 @@ static inline void material_lanes_shade(
 
     // Add what the surfaces emit towards the paths.
     const lanes_uint path_bits = lanes_as_uint(throughput_bits.w);
+    const uint lit = own & lanes_bits((path_bits & PATH_COLLECT) == 0u); // others only shine
     struct lanes3 throughput = lanes3_xyz(throughput_bits);
     struct lanes3 radiance = lanes3_xyz(radiance_normal);
     const struct lanes4 emission_row = LANES_OF(s->materials, h->material, .emission);
@@ -370,7 +371,7 @@ static inline void material_lanes_shade(
     geometric = lanes3_scale(geometric, side);
     normal = lanes3_select(lanes3_dot(normal, dir) < -1e-4f, normal, geometric);
 #if NORMAL_MAPS
-    const uint mapped = measures ? 0u : own & lanes_bits((flags & MATERIAL_NORMAL_MAP) != 0u);
+    const uint mapped = measures ? 0u : lit & lanes_bits((flags & MATERIAL_NORMAL_MAP) != 0u);
     if (mapped != 0)
         normal = material_lanes_map(s, scene->tangents, h, mapped, normal, side, dir);
 #endif
@@ -395,17 +396,16 @@ static inline void material_lanes_shade(
             out->diffuse, lanes3_xyz(texture_lanes_fetch(&h->base, h->textured, s->texels)));
     }
     const lanes_int colored = (flags & MATERIAL_VERTEX_COLOR) != 0u;
-    if (!measures && (own & lanes_bits(colored)) != 0)
+    if (!measures && (lit & lanes_bits(colored)) != 0)
         out->diffuse =
-            lanes3_select(colored & lanes_mask(own),
+            lanes3_select(colored & lanes_mask(lit),
                           lanes3_mul(out->diffuse, material_lanes_color(s, h)), out->diffuse);
-    if (own & ~lambert)
-        material_lanes_bsdf(out, own & ~lambert, settings, last, s, h, dir);
+    if (lit & ~lambert)
+        material_lanes_bsdf(out, lit & ~lambert, settings, last, s, h, dir);
 
-    // Those of paths that only collect emission are not lit.
     out->throughput = throughput;
     out->radiance = radiance;
-    out->bits = (path_bits & PATH_COLLECT) != 0u ? (lanes_uint)(0u) : out->bits;
+    out->bits = lanes_mask(lit) ? out->bits : (lanes_uint)(0u);
 }
 
 // Shades those of the eight that are shaded here and writes them, and ends the paths of those that

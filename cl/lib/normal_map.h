@@ -1,6 +1,7 @@
 /**
  * @file
- * Normal maps.
+ * Normal maps. lib/material_lanes.h does the same
+ * for hits side by side.
  */
 #ifndef LIB_NORMAL_MAP_H
 #define LIB_NORMAL_MAP_H

@@ -70,7 +70,7 @@ SHARED_SIZE(texture_slot, 48);
 // What CPUs shade hit by hit, among the flags.
 #define MATERIAL_APART (MATERIAL_UNLIT | MATERIAL_COAT_NORMAL_MAP | MATERIAL_LAYERED)
 
-// What a hit is more than its Lambert term.
+// What else no kernel of whole paths (cl/paths.cl) shades.
 #define MATERIAL_EXTRAS (MATERIAL_APART | MATERIAL_VERTEX_COLOR | MATERIAL_NORMAL_MAP)
 
 // Roughness squared up to which a surface is smooth: below it GGX's D leaves float's range at

@@ -43,6 +43,23 @@ static inline lanes_int is_above(const struct bsdf_lanes *b, const struct lanes3
     return (lanes3_dot(b->normal, dir) > 0.0f) & (lanes3_dot(b->geometric, dir) > 0.0f);
 }
 
+// Whether lanes beside others get what they get among their like: half of them are made Lambert.
+static inline lanes_int is_kept(const struct bsdf_lanes *b, const struct lanes3 dir)
+{
+    struct bsdf_lanes mixed = *b;
+    struct bsdf_lanes lambert = *b;
+    lanes_float density, mixed_density, lambert_density;
+    mixed.glossy &= 0x5a5au;
+    lambert.glossy = 0;
+    const struct lanes3 value = bsdf_lanes_eval(&density, b, dir);
+    const struct lanes3 mixed_value = bsdf_lanes_eval(&mixed_density, &mixed, dir);
+    const struct lanes3 lambert_value = bsdf_lanes_eval(&lambert_density, &lambert, dir);
+    const lanes_int glossy = lanes_mask(mixed.glossy);
+    const struct lanes3 expected = lanes3_select(glossy, value, lambert_value);
+    return (mixed_density == (glossy ? density : lambert_density)) & (mixed_value.x == expected.x) &
+           (mixed_value.y == expected.y) & (mixed_value.z == expected.z);
+}
+
 // LANES directions an item; count is a multiple.
 TEST_KERNEL bsdf_values(__global const struct bsdf_case *c, __global const float4 *dirs,
                         const uint count, __global float4 *out)
@@ -60,7 +77,7 @@ TEST_KERNEL bsdf_values(__global const struct bsdf_case *c, __global const float
     const lanes_float zero = (lanes_float)(0.0f);
     LANES_STORE(out, places, , LANES_ALL,
                 lanes4_make(lanes3_select(above, value, lanes3_make(zero, zero, zero)),
-                            above ? density : zero));
+                            above ? (is_kept(&b, dir) ? density : zero - 1.0f) : zero));
 }
 
 TEST_KERNEL bsdf_draws(__global const struct bsdf_case *c, __global const float4 *numbers,
